@@ -1,0 +1,66 @@
+// The header that every binary payload of a recording carries (docs/FORMAT.md, "Payload header").
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "pipeline/model/result.hpp"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace scansion {
+
+using Bytes = std::vector<std::byte>;
+using ByteView = std::span<const std::byte>;
+
+inline constexpr std::array<std::uint8_t, 8> kPayloadMark{0x89, 'S', 'C', 'N', 'G', 'R', 'P', 0x0A};
+inline constexpr std::uint8_t kPayloadVersion = 1;
+inline constexpr std::size_t kPayloadHeaderSize = 80;
+
+enum class PayloadKind : std::uint8_t { lines = 0, level = 1, rest = 2 };
+
+/// Little endian, 80 bytes; offsets in docs/FORMAT.md.
+struct PayloadHeader {
+  PayloadKind kind = PayloadKind::lines;
+  std::uint8_t level = 0;  ///< 0 for lines; k for lod<k>; n for rest
+  std::uint8_t levels = 0; ///< n: how many lod channels the recording has
+  std::uint32_t stream = 0;
+  std::uint32_t group = 0;
+  std::uint16_t line_count = 0;
+  std::uint16_t epoch = 0;
+  std::uint64_t first_line = 0;
+  std::uint64_t first_time_ns = 0; ///< log time of the first line
+  std::uint64_t last_time_ns = 0;  ///< log time of the last line
+  double tolerance = 0.0;          ///< mm: d_(k+1) of this level; 0 for lines and rest
+  double left_out = 0.0; ///< mm: exact largest distance left out when this and all coarser levels are read; 0 for rest; for
+                         ///< lines: the largest finite D of the group
+  std::uint32_t points = 0;    ///< points in this payload; for lines: in the group
+  std::uint32_t body_size = 0; ///< bytes after the header
+
+  friend bool operator==(const PayloadHeader&, const PayloadHeader&) = default;
+};
+
+/// Writes the header in front of `payload`, which holds kPayloadHeaderSize unused bytes and then the body; sets body_size and
+/// the checksum (CRC-32C over header and body with the checksum field left out).
+void seal_payload(PayloadHeader header, Bytes& payload);
+
+/// Reads a header from the start of `bytes` without looking at the body. Fails with damaged when mark, version or a field is
+/// impossible or the body would reach beyond `bytes`.
+[[nodiscard]] Result<PayloadHeader> parse_payload_header(ByteView bytes);
+
+/// parse_payload_header and the checksum over exactly header + body. `bytes` may be longer than the payload.
+[[nodiscard]] Result<PayloadHeader> check_payload(ByteView bytes);
+
+/// One group, encoded: payloads[0] the line table, then lod0 .. lod<n-1>, then rest.
+struct EncodedGroup {
+  std::uint32_t number = 0;
+  std::uint64_t first_line = 0;
+  std::uint32_t line_count = 0;
+  std::uint64_t first_time_ns = 0;
+  std::uint64_t last_time_ns = 0;
+  std::vector<Bytes> payloads;
+};
+
+} // namespace scansion

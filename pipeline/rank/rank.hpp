@@ -1,0 +1,56 @@
+// The complete Douglas-Peucker rearrangement of one run: distances, depths, order (paper, section 3, made exact).
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "pipeline/model/lattice.hpp"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace scansion {
+
+/// The points of one run, as counts. Spans less than kMaxRunSpan on each axis.
+struct RunPoints {
+  std::span<const std::int32_t> x, y, z;
+  /// Index of each point in its whole run, ascending, when the points are a subset of it (the tie rule looks at these);
+  /// empty: 0, 1, 2, ...
+  std::span<const std::uint32_t> position;
+
+  [[nodiscard]] std::size_t size() const noexcept { return x.size(); }
+};
+
+/// Ranks runs. Holds scratch memory, so one object serves one thread and allocates nothing in the steady state.
+///
+/// Distance is that of a point to the segment of its current chord. The split goes to the farthest point; ties to the point
+/// closest to the middle of the interval, then to the smaller index, decided on exact integers. D = min(split distance, D of
+/// the parent). In mm, D = sqrt(RN(K) / RN(L)) * num / den, in double, each operation rounded once, where K / L is the exact
+/// squared distance in counts (see squared_distance) and num / den the resolution.
+class Ranker {
+public:
+  explicit Ranker(Rational resolution_mm) noexcept : resolution_(resolution_mm) {}
+
+  /// Fills distance (mm; end points +infinity) and depth in the split tree (end points 0, first split 1). Both have
+  /// run.size() elements. When the points are a subset of a run (RunPoints::position) that is closed under the tree, the
+  /// values are those of the whole run.
+  void rank(const RunPoints& run, std::span<double> distance, std::span<std::uint32_t> depth);
+
+  [[nodiscard]] Rational resolution() const noexcept { return resolution_; }
+
+private:
+  struct Interval {
+    std::uint32_t a, b, depth;
+    double parent;
+  };
+  Rational resolution_;
+  std::vector<Interval> stack_;
+};
+
+/// The rearrangement j: end points 0 and n first, then by distance descending, depth ascending, index ascending. So any prefix
+/// is a state of the algorithm.
+void rank_order(std::span<const double> distance, std::span<const std::uint32_t> depth, std::vector<std::uint32_t>& order);
+
+/// Exact distance in mm of point p to the segment a-b, by the one formula of the Ranker.
+[[nodiscard]] double segment_distance(const RunPoints& run, std::size_t p, std::size_t a, std::size_t b, Rational resolution);
+
+} // namespace scansion
