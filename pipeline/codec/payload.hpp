@@ -17,11 +17,11 @@ using ByteView = std::span<const std::byte>;
 
 inline constexpr std::array<std::uint8_t, 8> kPayloadMark{0x89, 'S', 'C', 'N', 'G', 'R', 'P', 0x0A};
 inline constexpr std::uint8_t kPayloadVersion = 1;
-inline constexpr std::size_t kPayloadHeaderSize = 80;
+inline constexpr std::size_t kPayloadHeaderSize = 76;
 
 enum class PayloadKind : std::uint8_t { lines = 0, level = 1, rest = 2 };
 
-/// Little endian, 80 bytes; offsets in docs/FORMAT.md.
+/// Little endian, 76 bytes; offsets in docs/FORMAT.md.
 struct PayloadHeader {
   PayloadKind kind = PayloadKind::lines;
   std::uint8_t level = 0;  ///< 0 for lines; k for lod<k>; n for rest
