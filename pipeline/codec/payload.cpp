@@ -106,7 +106,7 @@ Result<PayloadHeader> parse_payload_header(ByteView bytes) {
 }
 
 Result<PayloadHeader> check_payload(ByteView bytes) {
-  SCANSION_TRY(auto header, parse_payload_header(bytes));
+  SCANSION_TRY(header, parse_payload_header(bytes));
   const ByteView payload = bytes.first(kPayloadHeaderSize + header.body_size);
   if (load_le<std::uint32_t>(payload.data() + kChecksum) != checksum(payload))
     return fail(Errc::damaged, "payload checksum is wrong");

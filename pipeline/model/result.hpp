@@ -60,4 +60,5 @@ template <class... Parts>
 
 } // namespace scansion
 
+/// SCANSION_TRY(expr) or SCANSION_TRY(name, expr): returns the error, or declares `auto&& name` with the value.
 #define SCANSION_TRY(...) BOOST_OUTCOME_TRY(__VA_ARGS__)
