@@ -1,0 +1,157 @@
+// The body of a lines payload.
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/codec/line_table.hpp"
+
+#include "pipeline/codec/endian.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
+namespace scansion {
+namespace {
+
+constexpr std::uint8_t kExact = 1;
+
+enum LineFlag : std::uint8_t {
+  kDevice = 1,
+  kMonotonic = 2,
+  kRealtime = 4,
+  kEncoder = 8,
+  kPlane = 16,
+  kOneRun = 32, ///< one run and no invalid sample: only its count follows
+};
+constexpr std::uint8_t kKnownFlags = 63;
+
+// The stamps in the order they are stored, each with its flag.
+struct StampField {
+  std::uint8_t flag;
+  std::optional<std::int64_t> Stamps::*member;
+};
+constexpr std::array<StampField, 4> kStamps{{{kDevice, &Stamps::device_ns},
+                                             {kMonotonic, &Stamps::host_monotonic_ns},
+                                             {kRealtime, &Stamps::host_realtime_ns},
+                                             {kEncoder, &Stamps::encoder}}};
+
+std::int64_t wrapping_difference(std::int64_t a, std::int64_t b) noexcept {
+  return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) - static_cast<std::uint64_t>(b));
+}
+std::int64_t wrapping_sum(std::int64_t a, std::int64_t b) noexcept {
+  return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) + static_cast<std::uint64_t>(b));
+}
+
+Result<void> read_runs(ByteReader& from, std::uint8_t flags, std::uint32_t limit, LineGroup& group, ScanLine& line) {
+  const bool one = (flags & kOneRun) != 0;
+  const std::uint64_t run_count = one ? 1 : from.varint();
+  if (!from.ok() || run_count > limit) return fail(Errc::damaged, "a line has more runs than the group has points");
+  line.first_run = static_cast<std::uint32_t>(group.runs.size());
+  line.run_count = static_cast<std::uint32_t>(run_count);
+  auto next = group.runs.empty() ? 0U : group.runs.back().first + group.runs.back().count;
+  for (std::uint64_t r = 0; r < run_count; ++r) {
+    const std::uint64_t invalid = one ? 0 : from.varint();
+    const std::uint64_t count = from.varint();
+    if (!from.ok() || invalid > std::numeric_limits<std::uint32_t>::max() || count == 0 || count > limit - next)
+      return fail(Errc::damaged, "the runs of a line do not fit the group");
+    group.runs.push_back({next, static_cast<std::uint32_t>(count), static_cast<std::uint32_t>(invalid)});
+    next += static_cast<std::uint32_t>(count);
+  }
+  const std::uint64_t after = one ? 0 : from.varint();
+  if (after > std::numeric_limits<std::uint32_t>::max()) return fail(Errc::damaged, "a line counts too many invalid samples");
+  line.invalid_after = static_cast<std::uint32_t>(after);
+  return success();
+}
+
+void read_stamps(ByteReader& from, std::uint8_t flags, Stamps& last, ScanLine& line) {
+  for (const auto& [flag, member] : kStamps) {
+    if ((flags & flag) == 0) continue;
+    const std::int64_t value = wrapping_sum((last.*member).value_or(0), from.signed_varint());
+    line.stamps.*member = value;
+    last.*member = value;
+  }
+  if ((flags & kPlane) != 0) {
+    auto& plane = line.plane.emplace();
+    for (double& coefficient : plane) {
+      const ByteView raw = from.bytes(8);
+      if (!raw.empty()) coefficient = std::bit_cast<double>(load_le<std::uint64_t>(raw.data()));
+    }
+  }
+}
+
+} // namespace
+
+AxisScale find_scale(std::span<const std::int32_t> values) noexcept {
+  if (values.empty()) return {};
+  const auto [low, high] = std::ranges::minmax(values);
+  if (low == high) return {low, 1};
+  std::int64_t step = 0;
+  for (const std::int32_t v : values) {
+    step = std::gcd(step, std::int64_t{v} - values.front());
+    if (step == 1) break;
+  }
+  // The middle, rounded up: the distance to both ends then fits 32 bits even for step 1.
+  const std::int64_t half = (std::int64_t{high} - low + 1) / 2;
+  return {static_cast<std::int32_t>(low + half / step * step), static_cast<std::uint32_t>(step)};
+}
+
+void write_line_table(const LineGroup& group, const AxisScales& scales, bool exact, Bytes& to) {
+  to.push_back(static_cast<std::byte>(exact ? kExact : 0));
+  for (const AxisScale& scale : scales) {
+    put_signed(to, scale.base);
+    put_varint(to, scale.step);
+  }
+  Stamps last;
+  for (const ScanLine& line : group.lines) {
+    const auto runs = group.runs_of(line);
+    const bool one = runs.size() == 1 && runs[0].invalid_before == 0 && line.invalid_after == 0;
+    std::uint8_t flags = one ? kOneRun : 0;
+    for (const auto& [flag, member] : kStamps)
+      if (line.stamps.*member) flags = static_cast<std::uint8_t>(flags | flag);
+    if (line.plane) flags |= kPlane;
+    to.push_back(static_cast<std::byte>(flags));
+    if (!one) put_varint(to, runs.size());
+    for (const Run& run : runs) {
+      if (!one) put_varint(to, run.invalid_before);
+      put_varint(to, run.count);
+    }
+    if (!one) put_varint(to, line.invalid_after);
+    for (const auto& [flag, member] : kStamps) {
+      if (!(line.stamps.*member)) continue;
+      put_signed(to, wrapping_difference(*(line.stamps.*member), (last.*member).value_or(0)));
+      last.*member = line.stamps.*member;
+    }
+    if (line.plane)
+      for (const double coefficient : *line.plane) append_le(to, std::bit_cast<std::uint64_t>(coefficient));
+  }
+}
+
+Result<void> read_line_table(ByteView table, const PayloadHeader& header, LineGroup& group, AxisScales& scales, bool& exact) {
+  ByteReader from(table);
+  const std::uint8_t facts = from.byte();
+  if (facts > kExact) return fail(Errc::damaged, "the line table has unknown flags");
+  exact = facts == kExact;
+  for (AxisScale& scale : scales) {
+    const std::int64_t base = from.signed_varint();
+    const std::uint64_t step = from.varint();
+    if (!from.ok() || base != static_cast<std::int32_t>(base) || step == 0 || step > std::numeric_limits<std::uint32_t>::max())
+      return fail(Errc::damaged, "the line table has an impossible axis scale");
+    scale = {static_cast<std::int32_t>(base), static_cast<std::uint32_t>(step)};
+  }
+  Stamps last;
+  group.clear();
+  group.number = header.group;
+  for (std::uint32_t i = 0; i < header.line_count; ++i) {
+    const std::uint8_t flags = from.byte();
+    if (!from.ok() || flags > kKnownFlags) return fail(Errc::damaged, "a line has unknown flags");
+    ScanLine line;
+    line.index = header.first_line + i;
+    SCANSION_TRY(read_runs(from, flags, header.points, group, line));
+    read_stamps(from, flags, last, line);
+    if (!from.ok()) return fail(Errc::damaged, "the line table is cut short");
+    group.lines.push_back(line);
+  }
+  const std::uint32_t points = group.runs.empty() ? 0 : group.runs.back().first + group.runs.back().count;
+  if (!from.at_end() || points != header.points) return fail(Errc::damaged, "the line table and its header disagree");
+  return success();
+}
+
+} // namespace scansion
