@@ -5,10 +5,6 @@ target_include_directories(scansion_options INTERFACE ${CMAKE_SOURCE_DIR} ${CMAK
 target_compile_options(scansion_options INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion -Wnon-virtual-dtor -Wold-style-cast -Woverloaded-virtual
   -ffp-contract=off -fno-math-errno)
-if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
-  # GCC 12 reports moves of short std::strings inside a Result (GCC bugs 105329, 105651, 105562).
-  target_compile_options(scansion_options INTERFACE -Wno-array-bounds -Wno-restrict -Wno-maybe-uninitialized -Wno-stringop-overread)
-endif()
 if(SCANSION_WERROR)
   target_compile_options(scansion_options INTERFACE -Werror)
 endif()

@@ -7,6 +7,12 @@
 
 namespace scansion {
 
+Error make_error(Errc code, std::initializer_list<std::string_view> parts) {
+  Error error{code, {}};
+  for (const std::string_view part : parts) error.context.append(part);
+  return error;
+}
+
 Error system_error(std::string what, int errno_value) {
   Errc code = Errc::io;
   switch (errno_value) {
