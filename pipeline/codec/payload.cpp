@@ -75,8 +75,10 @@ void seal_payload(PayloadHeader header, Bytes& payload) {
   store_le(p + kChecksum, checksum(payload));
 }
 
-Result<PayloadHeader> parse_payload_header(ByteView bytes) {
-  if (bytes.size() < kPayloadHeaderSize) return fail(Errc::damaged, "payload is shorter than its header");
+Result<PayloadHeader> parse_payload_header(ByteView bytes) { return parse_payload_header(bytes, bytes.size()); }
+
+Result<PayloadHeader> parse_payload_header(ByteView bytes, std::uint64_t available) {
+  if (bytes.size() < kPayloadHeaderSize || available < kPayloadHeaderSize) return fail(Errc::damaged, "payload is shorter than its header");
   const std::byte* p = bytes.data();
   if (std::memcmp(p + kMark, kPayloadMark.data(), kPayloadMark.size()) != 0)
     return fail(Errc::damaged, "payload mark is missing");
@@ -101,7 +103,7 @@ Result<PayloadHeader> parse_payload_header(ByteView bytes) {
   h.points = load_le<std::uint32_t>(p + kPoints);
   h.body_size = load_le<std::uint32_t>(p + kBodySize);
   if (!plausible(h)) return fail(Errc::damaged, "payload header holds impossible values");
-  if (h.body_size > bytes.size() - kPayloadHeaderSize) return fail(Errc::damaged, "payload is cut short");
+  if (h.body_size > available - kPayloadHeaderSize) return fail(Errc::damaged, "payload is cut short");
   return h;
 }
 

@@ -49,6 +49,8 @@ void seal_payload(PayloadHeader header, Bytes& payload);
 /// Reads a header from the start of `bytes` without looking at the body. Fails with damaged when mark, version or a field is
 /// impossible or the body would reach beyond `bytes`.
 [[nodiscard]] Result<PayloadHeader> parse_payload_header(ByteView bytes);
+/// The same where only the header is at hand: `available` is how many bytes, header included, the payload may have.
+[[nodiscard]] Result<PayloadHeader> parse_payload_header(ByteView header, std::uint64_t available);
 
 /// parse_payload_header and the checksum over exactly header + body. `bytes` may be longer than the payload.
 [[nodiscard]] Result<PayloadHeader> check_payload(ByteView bytes);
