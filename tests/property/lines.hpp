@@ -1,0 +1,102 @@
+// Random and adversarial runs and groups for property tests.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "pipeline/model/scan_line.hpp"
+
+#include <array>
+#include <cstdint>
+#include <random>
+#include <vector>
+
+namespace scansion::test {
+
+using Random = std::mt19937_64;
+using Coordinates = std::array<std::vector<std::int32_t>, 3>;
+
+inline std::int64_t pick(Random& random, std::int64_t low, std::int64_t high) {
+  return low + static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(high - low + 1));
+}
+
+/// How a run looks; every kind is made on purpose to hurt some rule of the ranking.
+enum class Kind : int {
+  cloud,       ///< points anywhere in space
+  plane_cloud, ///< points anywhere in a plane y = const
+  tiny_grid,   ///< a 3 x 3 x 3 grid: duplicates, folds and ties everywhere
+  two_step,    ///< a plate that toggles between two sensor steps
+  flat,        ///< all on one straight line
+  zigzag,      ///< alternating, constant height
+  growing,     ///< alternating, growing height: splits at the end
+  square_wave, ///< steps with verticals
+  steps_back,  ///< x runs back by many counts
+  duplicates,  ///< the same point many times
+  extremes,    ///< the corners of the largest span
+  part,        ///< smooth surface with steps and noise
+  tilted,      ///< a part in a leaning plane
+  kinds
+};
+
+inline Coordinates make_run(Random& random, Kind kind, std::size_t n) {
+  Coordinates c;
+  const auto add = [&](std::int64_t x, std::int64_t y, std::int64_t z) {
+    c[0].push_back(static_cast<std::int32_t>(x));
+    c[1].push_back(static_cast<std::int32_t>(y));
+    c[2].push_back(static_cast<std::int32_t>(z));
+  };
+  constexpr std::int64_t kSpan = (std::int64_t{1} << 30) - 1;
+  const std::int64_t pitch = pick(random, 1, 200);
+  const std::int64_t height = pick(random, 1, 5000);
+  const std::int64_t lean = pick(random, -3, 3);
+  std::int64_t level = 0;
+  for (std::size_t k = 0; k < n; ++k) {
+    const auto i = static_cast<std::int64_t>(k);
+    switch (kind) {
+      case Kind::cloud: add(pick(random, -1000, 1000), pick(random, -1000, 1000), pick(random, -1000, 1000)); break;
+      case Kind::plane_cloud: add(pick(random, -50000, 50000), 7, pick(random, -50000, 50000)); break;
+      case Kind::tiny_grid: add(pick(random, 0, 2), pick(random, 0, 2), pick(random, 0, 2)); break;
+      case Kind::two_step: add(i * pitch, 0, static_cast<std::int64_t>(random() % 2)); break;
+      case Kind::flat: add(i * pitch, i * lean, 3 * i); break;
+      case Kind::zigzag: add(i * pitch, 0, (i % 2) * height); break;
+      case Kind::growing: add(i * pitch, 0, (i % 2 == 0 ? 1 : -1) * i * height); break;
+      case Kind::square_wave: add((i / 4) * pitch, 0, ((i / 2) % 2) * height); break;
+      case Kind::steps_back: add(i * pitch - (i / 7) * 9 * pitch, 0, pick(random, 0, height)); break;
+      case Kind::duplicates: add(i / 5 * pitch, 0, i / 5 % 3); break;
+      case Kind::extremes: add((random() % 2) * kSpan, (random() % 2) * kSpan, (random() % 2) * kSpan); break;
+      case Kind::part:
+      case Kind::tilted:
+      case Kind::kinds:
+        if (random() % 50 == 0) level = pick(random, -4000, 4000);
+        add(i * 100 + pick(random, -1, 1), kind == Kind::tilted ? level / 3 : 40,
+            level + (i % 300) * (i % 300) / 20 + pick(random, -5, 5));
+        break;
+    }
+  }
+  return c;
+}
+
+inline Kind any_kind(Random& random) { return static_cast<Kind>(pick(random, 0, static_cast<int>(Kind::kinds) - 1)); }
+
+/// A line of up to `max_runs` runs with invalid samples between them.
+inline LineBuffer make_line(Random& random, std::size_t max_runs, std::size_t max_points, bool ulps) {
+  LineBuffer line;
+  const auto runs = static_cast<std::size_t>(pick(random, 0, static_cast<std::int64_t>(max_runs)));
+  for (std::size_t r = 0; r < runs; ++r) {
+    const auto n = static_cast<std::size_t>(pick(random, 1, static_cast<std::int64_t>(max_points)));
+    const Coordinates c = make_run(random, any_kind(random), n);
+    line.runs.push_back({static_cast<std::uint32_t>(line.points()), static_cast<std::uint32_t>(n),
+                         static_cast<std::uint32_t>(r == 0 ? 0 : pick(random, 0, 9))});
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      line.xyz[axis].insert(line.xyz[axis].end(), c[axis].begin(), c[axis].end());
+      for (std::size_t i = 0; ulps && i < n; ++i) line.ulp[axis].push_back(pick(random, -2, 2) << pick(random, 0, 40));
+    }
+  }
+  line.invalid_after = static_cast<std::uint32_t>(random() % 3 == 0 ? random() % 100 : 0);
+  if (random() % 2 == 0) line.stamps.device_ns = static_cast<std::int64_t>(random());
+  if (random() % 2 == 0) line.stamps.host_realtime_ns = pick(random, 0, 1LL << 60);
+  if (random() % 2 == 0) line.stamps.host_monotonic_ns = pick(random, 0, 1LL << 50);
+  if (random() % 2 == 0) line.stamps.encoder = pick(random, -1000, 1000);
+  if (random() % 4 == 0) line.plane = {0.5, -0.25, 12.125};
+  return line;
+}
+
+} // namespace scansion::test

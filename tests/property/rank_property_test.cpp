@@ -1,0 +1,116 @@
+// The ranking against the brute-force reference, and its promises on long lines.
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/rank/rank.hpp"
+#include "tests/property/reference.hpp"
+
+#include <gtest/gtest.h>
+
+namespace scansion::test {
+namespace {
+
+struct Ranked {
+  std::vector<double> distance;
+  std::vector<std::uint32_t> depth;
+};
+
+Ranked rank(Ranker& ranker, const Coordinates& c, std::span<const std::uint32_t> position = {}) {
+  Ranked r{std::vector<double>(c[0].size()), std::vector<std::uint32_t>(c[0].size())};
+  ranker.rank({c[0], c[1], c[2], position}, r.distance, r.depth);
+  return r;
+}
+
+constexpr Rational kMicrometre{1, 1000};
+
+TEST(RankProperty, EqualsTheReferenceOnRandomAndAdversarialRuns) {
+  Random random(1);
+  Ranker ranker(kMicrometre);
+  for (int round = 0; round < 6000; ++round) {
+    const Kind kind = any_kind(random);
+    const auto n = static_cast<std::size_t>(pick(random, 1, round % 100 == 0 ? 300 : 40));
+    const Coordinates c = make_run(random, kind, n);
+    const Ranked got = rank(ranker, c);
+    const ReferenceRank want = reference_rank(c, kMicrometre);
+    ASSERT_EQ(got.distance, want.distance) << "kind " << static_cast<int>(kind) << " n " << n << " round " << round;
+    ASSERT_EQ(got.depth, want.depth) << "kind " << static_cast<int>(kind) << " n " << n << " round " << round;
+  }
+}
+
+TEST(RankProperty, ToleranceSelectsTheTextbookPoints) {
+  Random random(2);
+  Ranker ranker(kMicrometre);
+  for (int round = 0; round < 1500; ++round) {
+    const Coordinates c = make_run(random, any_kind(random), static_cast<std::size_t>(pick(random, 1, 60)));
+    const Ranked got = rank(ranker, c);
+    for (int t = 0; t < 4; ++t) {
+      // Half of the tolerances are met exactly by a point: > and >= must differ.
+      const double tolerance = t % 2 == 0 ? 1e-4 * static_cast<double>(pick(random, 1, 100000))
+                                          : std::min(1e6, got.distance[random() % got.distance.size()]);
+      const std::vector<bool> want = textbook(c, tolerance, kMicrometre);
+      for (std::size_t i = 0; i < want.size(); ++i) ASSERT_EQ(got.distance[i] > tolerance, want[i]) << "round " << round;
+    }
+  }
+}
+
+TEST(RankProperty, KeptPointsAloneRankTheSame) {
+  Random random(3);
+  Ranker ranker(kMicrometre);
+  for (int round = 0; round < 2000; ++round) {
+    const Coordinates c = make_run(random, any_kind(random), static_cast<std::size_t>(pick(random, 3, 200)));
+    const Ranked all = rank(ranker, c);
+    const double tolerance = std::min(1e6, all.distance[random() % all.distance.size()]);
+    Coordinates kept;
+    std::vector<std::uint32_t> position;
+    for (std::size_t i = 0; i < c[0].size(); ++i) {
+      if (!(all.distance[i] > tolerance)) continue;
+      position.push_back(static_cast<std::uint32_t>(i));
+      for (std::size_t axis = 0; axis < 3; ++axis) kept[axis].push_back(c[axis][i]);
+    }
+    const Ranked some = rank(ranker, kept, position);
+    for (std::size_t k = 0; k < position.size(); ++k) {
+      ASSERT_EQ(some.distance[k], all.distance[position[k]]) << "round " << round;
+      ASSERT_EQ(some.depth[k], all.depth[position[k]]) << "round " << round;
+    }
+  }
+}
+
+TEST(RankProperty, PlanarAndSpatialKernelsAgree) {
+  // The same planar run, turned by exchanging axes, and lifted into space by a copy of one axis where that is exact.
+  Random random(4);
+  Ranker ranker(kMicrometre);
+  for (int round = 0; round < 1000; ++round) {
+    const Coordinates c = make_run(random, Kind::plane_cloud, static_cast<std::size_t>(pick(random, 1, 120)));
+    const Ranked xz = rank(ranker, c);
+    EXPECT_EQ(rank(ranker, {c[0], c[2], c[1]}).distance, xz.distance);
+    EXPECT_EQ(rank(ranker, {c[1], c[0], c[2]}).distance, xz.distance);
+    for (std::size_t k = 1; k + 1 < c[0].size(); ++k)
+      EXPECT_EQ(segment_distance({c[0], c[1], c[2], {}}, k, 0, c[0].size() - 1, kMicrometre),
+                to_mm(squared_distance(c, k, 0, c[0].size() - 1), kMicrometre));
+  }
+}
+
+TEST(RankProperty, LongRunsFinishAndKeepTheirOrder) {
+  Random random(5);
+  Ranker ranker(kMicrometre);
+  for (const Kind kind : {Kind::part, Kind::two_step, Kind::flat, Kind::zigzag, Kind::duplicates, Kind::tiny_grid}) {
+    const Coordinates c = make_run(random, kind, kind == Kind::duplicates ? 20'000 : 1'000'000);
+    const Ranked r = rank(ranker, c);
+    std::vector<std::uint32_t> order;
+    rank_order(r.distance, r.depth, order);
+    EXPECT_EQ(order[0], 0U);
+    EXPECT_EQ(order[1], c[0].size() - 1);
+    for (std::size_t i = 2; i < order.size(); ++i) ASSERT_GE(r.distance[order[i - 1]], r.distance[order[i]]);
+  }
+}
+
+TEST(RankProperty, DecimalTiesAreDecimal) {
+  // A point exactly 0.05 mm above its chord is not farther than a tolerance of 0.05, whatever the resolution.
+  for (const Rational resolution : {Rational{1, 1000}, Rational{1, 200}, Rational{1, 100000}}) {
+    const auto counts = static_cast<std::int32_t>(0.05 / resolution.value() + 0.5);
+    Ranker ranker(resolution);
+    const Ranked r = rank(ranker, {std::vector<std::int32_t>{0, 1000, 2000}, {0, 0, 0}, {0, counts, 0}});
+    EXPECT_EQ(r.distance[1], 0.05);
+  }
+}
+
+} // namespace
+} // namespace scansion::test
