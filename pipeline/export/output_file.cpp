@@ -1,0 +1,176 @@
+// Outputs that appear whole or not at all.
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/export/output_file.hpp"
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace scansion {
+namespace {
+
+Result<void> write_all(int fd, std::string_view bytes, const std::string& shown) {
+  while (!bytes.empty()) {
+    const ssize_t n = ::write(fd, bytes.data(), bytes.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) {
+      const Error error = system_error("cannot write " + shown, errno);
+      return fail(Errc::io, error.context);
+    }
+    bytes.remove_prefix(static_cast<std::size_t>(n));
+  }
+  return success();
+}
+
+Error creation_error(const std::string& path, int number) {
+  Error error = system_error("cannot create " + path, number);
+  if (error.code != Errc::permission) error.code = Errc::cannot_create;
+  return error;
+}
+
+bool is_special(const std::string& path) {
+  struct stat info {};
+  return ::stat(path.c_str(), &info) == 0 && !S_ISREG(info.st_mode) && !S_ISDIR(info.st_mode);
+}
+
+} // namespace
+
+Result<PendingFile> PendingFile::create(const std::string& path, bool force) {
+  struct stat info {};
+  if (::stat(path.c_str(), &info) == 0) {
+    if (S_ISDIR(info.st_mode)) return fail(Errc::cannot_create, "cannot create ", path, ": it is a folder");
+    if (!force) return fail(Errc::exists, path, " exists; give --force to replace it");
+  }
+  std::string pending = path + "." + std::to_string(::getpid()) + ".part";
+  // Tried now, so that a folder that cannot be written to is found before the work.
+  const int fd = ::open(pending.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
+  if (fd < 0) return boost::outcome_v2::failure(creation_error(path, errno));
+  ::close(fd);
+  ::unlink(pending.c_str());
+  return PendingFile(path, std::move(pending), force);
+}
+
+PendingFile::PendingFile(PendingFile&& other) noexcept
+    : path_(std::move(other.path_)), pending_(std::exchange(other.pending_, {})), force_(other.force_) {}
+
+PendingFile& PendingFile::operator=(PendingFile&& other) noexcept {
+  std::swap(path_, other.path_);
+  std::swap(pending_, other.pending_);
+  std::swap(force_, other.force_);
+  return *this;
+}
+
+PendingFile::~PendingFile() {
+  if (!pending_.empty()) ::unlink(pending_.c_str());
+}
+
+Result<void> PendingFile::commit() {
+  // link() refuses to replace what appeared since create(); not every file system has it, then rename() must do.
+  if (!force_ && ::link(pending_.c_str(), path_.c_str()) == 0) {
+    ::unlink(pending_.c_str());
+    pending_.clear();
+    return success();
+  }
+  if (!force_ && errno == EEXIST) return fail(Errc::exists, path_, " appeared meanwhile; give --force to replace it");
+  if (::rename(pending_.c_str(), path_.c_str()) != 0)
+    return boost::outcome_v2::failure(creation_error(path_, errno));
+  pending_.clear();
+  return success();
+}
+
+OutputFile::OutputFile(OutputFile&& other) noexcept
+    : fd_(std::exchange(other.fd_, -1)), spooled_(other.spooled_), shown_(std::move(other.shown_)),
+      pending_(std::move(other.pending_)), buffer_(std::move(other.buffer_)), used_(std::exchange(other.used_, 0)) {}
+
+OutputFile::~OutputFile() {
+  if (fd_ > STDERR_FILENO) ::close(fd_);
+}
+
+Result<OutputFile> OutputFile::create(const std::string& path, bool force, bool patching) {
+  if (path == "-" && !patching) return OutputFile(STDOUT_FILENO, "standard output");
+  if (path == "-") {
+    const char* folder = std::getenv("TMPDIR");
+    std::string name = std::string(folder != nullptr && *folder != '\0' ? folder : "/tmp") + "/scansion-XXXXXX";
+    const int fd = ::mkostemp(name.data(), O_CLOEXEC);
+    if (fd < 0) return boost::outcome_v2::failure(creation_error(name, errno));
+    ::unlink(name.c_str());
+    OutputFile file(fd, "a temporary file in " + name.substr(0, name.rfind('/')));
+    file.spooled_ = true;
+    return file;
+  }
+  if (is_special(path)) { // a pipe or /dev/null is written in place
+    const int fd = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
+    if (fd < 0) return boost::outcome_v2::failure(creation_error(path, errno));
+    return OutputFile(fd, path);
+  }
+  SCANSION_TRY(pending, PendingFile::create(path, force));
+  const int fd = ::open(pending.name().c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
+  if (fd < 0) return boost::outcome_v2::failure(creation_error(path, errno));
+  OutputFile file(fd, path);
+  file.pending_.push_back(std::move(pending));
+  return file;
+}
+
+Result<void> OutputFile::flush() {
+  const std::string_view bytes(buffer_.data(), std::exchange(used_, 0));
+  return write_all(fd_, bytes, shown_);
+}
+
+Result<void> OutputFile::append(std::string_view bytes) {
+  while (!bytes.empty()) {
+    if (used_ == buffer_.size()) {
+      SCANSION_TRY(flush());
+    }
+    const std::size_t part = std::min(bytes.size(), buffer_.size() - used_);
+    std::memcpy(buffer_.data() + used_, bytes.data(), part);
+    used_ += part;
+    bytes.remove_prefix(part);
+  }
+  return success();
+}
+
+Result<char*> OutputFile::reserve(std::size_t size) {
+  if (buffer_.size() - used_ < size) {
+    SCANSION_TRY(flush());
+  }
+  return buffer_.data() + used_;
+}
+
+Result<void> OutputFile::patch(std::uint64_t offset, std::string_view bytes) {
+  SCANSION_TRY(flush());
+  while (!bytes.empty()) {
+    const ssize_t n = ::pwrite(fd_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0 && errno == ESPIPE)
+      return fail(Errc::cannot_create, shown_, " is a pipe; this format needs a file or '-' because its header holds the count");
+    if (n < 0) return fail(Errc::io, system_error("cannot write " + shown_, errno).context);
+    offset += static_cast<std::uint64_t>(n);
+    bytes.remove_prefix(static_cast<std::size_t>(n));
+  }
+  return success();
+}
+
+Result<void> OutputFile::copy_to_stdout() {
+  if (::lseek(fd_, 0, SEEK_SET) != 0) return fail(Errc::io, system_error("cannot read back " + shown_, errno).context);
+  while (true) {
+    const ssize_t n = ::read(fd_, buffer_.data(), buffer_.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return fail(Errc::io, system_error("cannot read back " + shown_, errno).context);
+    if (n == 0) return success();
+    SCANSION_TRY(write_all(STDOUT_FILENO, {buffer_.data(), static_cast<std::size_t>(n)}, "standard output"));
+  }
+}
+
+Result<void> OutputFile::commit() {
+  SCANSION_TRY(flush());
+  if (spooled_) return copy_to_stdout();
+  if (fd_ == STDOUT_FILENO) return success();
+  if (::close(std::exchange(fd_, -1)) != 0) return fail(Errc::io, system_error("cannot write " + shown_, errno).context);
+  if (pending_.empty()) return success();
+  return pending_.front().commit();
+}
+
+} // namespace scansion
