@@ -1,0 +1,182 @@
+// The acquisition thread of one device.
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/supervisor/acquisition.hpp"
+
+#include <spdlog/spdlog.h>
+
+namespace scansion {
+namespace {
+
+/// When each line of a source with a pace is due.
+class Pacer {
+public:
+  Pacer(std::optional<double> lines_per_second, SteadyNs now) : rate_(lines_per_second), start_(now) {}
+
+  /// kNever: not paced.
+  [[nodiscard]] SteadyNs due(SteadyNs now) noexcept {
+    if (!rate_) return kNever;
+    const SteadyNs at = start_ + static_cast<SteadyNs>(static_cast<double>(lines_) * 1e9 / *rate_);
+    ++lines_;
+    // After a wait on a full disk the schedule starts anew; a burst would not be what the device does.
+    if (now - at > kSecond) {
+      start_ = now;
+      lines_ = 1;
+      return now;
+    }
+    return at;
+  }
+
+private:
+  std::optional<double> rate_;
+  SteadyNs start_;
+  std::uint64_t lines_ = 0;
+};
+
+class Acquisition {
+public:
+  Acquisition(SessionShared& shared, Driver& driver, const SessionPolicy& policy)
+      : shared_(shared), driver_(driver),
+        machine_(policy, std::hash<std::string>()(shared.config.name) ^ static_cast<std::uint64_t>(shared.clock.steady_ns())) {}
+
+  void run() {
+    while (!shared_.stopping() && machine_.state() != SessionState::finished) {
+      if (auto done = attempt(); !done) {
+        report(done.assume_error());
+        if (machine_.state() == SessionState::closed) break;
+        if (!shared_.sleep_until(machine_.retry_at())) break;
+      }
+    }
+    driver_.close();
+    if (machine_.state() != SessionState::finished) machine_.closed();
+    publish();
+  }
+
+private:
+  void publish() { shared_.set_state(machine_.state()); }
+
+  /// From opening to the end of the run. Without an error: finished, or asked to stop.
+  Result<void> attempt() {
+    machine_.opening();
+    publish();
+    SCANSION_TRY(driver_.open());
+    machine_.starting();
+    publish();
+    SCANSION_TRY(facts, driver_.start());
+    if (!begin_run(facts)) return success();
+    auto ended = stream(facts);
+    end_run();
+    return ended;
+  }
+
+  [[nodiscard]] bool begin_run(const DeviceFacts& facts) {
+    machine_.streaming(shared_.clock.steady_ns());
+    publish();
+    item_.kind = QueueItem::Kind::begin;
+    item_.facts = facts;
+    item_.rounding_mm = 0.0;
+    return shared_.queue.push(item_);
+  }
+
+  void end_run() {
+    item_.kind = QueueItem::Kind::end;
+    item_.rounding_mm = driver_.rounding_mm();
+    // Refused only by a closed queue, whose worker ends the run by itself.
+    [[maybe_unused]] const bool taken = shared_.queue.push(item_);
+  }
+
+  Result<void> stream(const DeviceFacts& facts) {
+    Pacer pacer(facts.pace, shared_.clock.steady_ns());
+    for (;;) {
+      if (shared_.stopping()) return success();
+      SCANSION_TRY(delivery, driver_.next(item_.line, item_.gap));
+      if (delivery == Delivery::end) {
+        machine_.finished();
+        publish();
+        spdlog::info("{}: finished, {} lines", shared_.config.name, shared_.lines.load());
+        return success();
+      }
+      if (delivery == Delivery::line) {
+        const SteadyNs due = pacer.due(shared_.clock.steady_ns());
+        if (due != kNever && !shared_.sleep_until(due)) return success();
+      }
+      if (!take(delivery)) return success();
+    }
+  }
+
+  /// False: the queue is closed.
+  [[nodiscard]] bool take(Delivery delivery) {
+    const SessionState before = machine_.state();
+    const SteadyNs now = shared_.clock.steady_ns();
+    bool taken = true;
+    if (delivery == Delivery::nothing) {
+      machine_.silent(now);
+    } else {
+      machine_.delivered(now);
+      taken = delivery == Delivery::line ? take_line() : take_gap();
+    }
+    if (machine_.state() != before) publish();
+    return taken;
+  }
+
+  [[nodiscard]] bool take_line() {
+    std::uint64_t invalid = item_.line.invalid_after;
+    for (const Run& run : item_.line.runs) invalid += run.invalid_before;
+    const std::uint64_t points = item_.line.points();
+    item_.kind = QueueItem::Kind::line;
+    item_.rounding_mm = driver_.rounding_mm();
+    if (!shared_.queue.push(item_)) return false;
+    if (!error_.empty()) recovered();
+    shared_.lines += 1;
+    shared_.points += points;
+    shared_.invalid += invalid;
+    shared_.last_line_ns = shared_.clock.realtime_ns();
+    return true;
+  }
+
+  [[nodiscard]] bool take_gap() {
+    item_.kind = QueueItem::Kind::gap;
+    shared_.gaps += 1;
+    return shared_.queue.push(item_);
+  }
+
+  void recovered() {
+    spdlog::warn("{}: back after {} failures", shared_.config.name, repeats_ + 1); // as loud as the loss
+    error_.clear();
+    repeats_ = 0;
+    shared_.set_error({});
+  }
+
+  void report(const Error& error) {
+    machine_.failed(error.code, shared_.clock.steady_ns());
+    publish(); // lost, when it was streaming
+    driver_.close();
+    machine_.settle(shared_.clock.steady_ns());
+    if (error.context != error_) {
+      spdlog::warn("{}: {}: {}", shared_.config.name, name(machine_.state()), error.context);
+      repeats_ = 0;
+    } else {
+      ++repeats_;
+      spdlog::debug("{}: {} (again, {} times)", shared_.config.name, error.context, repeats_);
+    }
+    error_ = error.context;
+    shared_.set_error(error.context);
+    publish();
+  }
+
+  SessionShared& shared_;
+  Driver& driver_;
+  SessionMachine machine_;
+  QueueItem item_; ///< buffers travel round through the queue
+  std::string error_;
+  std::uint64_t repeats_ = 0;
+};
+
+} // namespace
+
+void acquire(SessionShared& shared, Driver& driver, const SessionPolicy& policy) {
+  Acquisition(shared, driver, policy).run();
+  shared.queue.close();
+  shared.set_acquisition_done();
+}
+
+} // namespace scansion

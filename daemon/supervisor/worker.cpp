@@ -1,0 +1,157 @@
+// The pipeline worker of one device: lines to groups to recordings.
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/supervisor/worker.hpp"
+
+namespace scansion {
+namespace {
+
+/// The worker wakes at least this often, so that a beat that stays away means that it is stuck.
+constexpr SteadyNs kBeat = 500 * kMillisecond;
+
+class Worker {
+public:
+  Worker(SessionShared& shared, const SessionSettings& settings, const JournalPorts& ports)
+      : shared_(shared), settings_(settings), ports_(ports) {}
+
+  void run() {
+    QueueItem item;
+    while (!shared_.queue.drained()) {
+      const SteadyNs deadline = next_deadline();
+      if (recorder_ && recorder_->full()) {
+        if (shared_.queue.closed()) break; // stopping on a full disk: finish() tries once more
+        shared_.queue.wait(deadline);
+      } else if (shared_.queue.pop(item, deadline)) {
+        take(item);
+      }
+      tick();
+    }
+    end_run();
+    publish();
+  }
+
+private:
+  [[nodiscard]] SteadyNs next_deadline() const {
+    SteadyNs deadline = shared_.clock.steady_ns() + kBeat;
+    if (recorder_) deadline = std::min(deadline, recorder_->next_deadline());
+    return std::min(deadline, group_deadline());
+  }
+
+  [[nodiscard]] SteadyNs group_deadline() const {
+    return builder_.empty() || !facts_.live ? kNever : group_since_ + settings_.group_age;
+  }
+
+  void take(QueueItem& item) {
+    switch (item.kind) {
+      case QueueItem::Kind::begin: begin_run(item.facts); break;
+      case QueueItem::Kind::line: take_line(item); break;
+      case QueueItem::Kind::gap: take_gap(item.gap); break;
+      case QueueItem::Kind::end:
+        note_rounding(item);
+        end_run();
+        break;
+    }
+  }
+
+  void begin_run(const DeviceFacts& facts) {
+    end_run();
+    facts_ = facts;
+    builder_ = GroupBuilder();
+    RecordingFacts recording;
+    recording.device = shared_.config.name;
+    recording.lattice = facts.lattice;
+    recording.levels = settings_.levels;
+    recording.level_count = settings_.levels.count;
+    recording.stored_levels = settings_.levels.count + 1;
+    recording.gap_mm = facts.gap_mm;
+    recording.rounding_mm = facts.rounding_mm;
+    recorder_.emplace(ports_, shared_.clock, settings_.recorder, std::move(recording));
+  }
+
+  void note_rounding(const QueueItem& item) {
+    if (recorder_) recorder_->note_rounding(item.rounding_mm);
+  }
+
+  void take_line(const QueueItem& item) {
+    note_rounding(item);
+    if (builder_.must_close_before(item.line)) close_group();
+    if (builder_.empty()) group_since_ = item.since;
+    builder_.add(item.line);
+    if (builder_.full()) close_group();
+  }
+
+  void take_gap(Gap& gap) {
+    close_group();
+    gap.first = builder_.next_line();
+    builder_.skip(gap.count.value_or(0));
+    if (recorder_) recorder_->add(std::move(gap));
+  }
+
+  void close_group() {
+    if (builder_.empty() || !recorder_) return;
+    builder_.take(group_);
+    recorder_->add(group_, group_since_);
+    publish();
+  }
+
+  void end_run() {
+    close_group();
+    if (!recorder_) return;
+    recorder_->finish();
+    add_totals(recorder_->status());
+    recorder_.reset();
+    publish();
+  }
+
+  void tick() {
+    if (shared_.clock.steady_ns() >= group_deadline()) close_group();
+    if (recorder_ && shared_.clock.steady_ns() >= recorder_->next_deadline()) {
+      recorder_->tick();
+      publish();
+    }
+    SteadyNs oldest = builder_.empty() ? kNever : group_since_;
+    if (recorder_) oldest = std::min(oldest, recorder_->oldest_unwritten());
+    shared_.oldest_unwritten = oldest;
+    shared_.worker_beat = shared_.clock.steady_ns();
+  }
+
+  /// Counters of earlier runs stay in the sum.
+  void add_totals(const RecorderStatus& run) {
+    before_.groups_written += run.groups_written;
+    before_.lines_written += run.lines_written;
+    before_.lost_lines += run.lost_lines;
+    if (!run.last_path.empty()) before_.last_path = run.last_path;
+  }
+
+  void publish() {
+    RecorderStatus now = before_;
+    if (recorder_) {
+      const RecorderStatus run = recorder_->status();
+      now = run;
+      now.groups_written += before_.groups_written;
+      now.lines_written += before_.lines_written;
+      now.lost_lines += before_.lost_lines;
+      if (now.last_path.empty()) now.last_path = before_.last_path;
+    }
+    shared_.set_recorder(std::move(now));
+  }
+
+  SessionShared& shared_;
+  const SessionSettings& settings_;
+  const JournalPorts& ports_;
+  DeviceFacts facts_;
+  GroupBuilder builder_;
+  LineGroup group_;
+  SteadyNs group_since_ = 0;
+  std::optional<RunRecorder> recorder_;
+  RecorderStatus before_; ///< sums over the runs that ended
+};
+
+} // namespace
+
+void record_lines(SessionShared& shared, const SessionSettings& settings, const JournalPorts& ports) {
+  shared.worker_beat = shared.clock.steady_ns();
+  Worker(shared, settings, ports).run();
+  shared.set_worker_done();
+}
+
+} // namespace scansion

@@ -1,0 +1,87 @@
+// The whole contract between a device driver and the daemon.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "drivers/option.hpp"
+#include "pipeline/model/lattice.hpp"
+#include "pipeline/model/scan_line.hpp"
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string_view>
+
+namespace scansion {
+
+/// What a device says about its lines when it has started. Holds until close().
+struct DeviceFacts {
+  Lattice lattice;
+  std::optional<double> gap_mm; ///< steps longer than this split a line
+  double rounding_mm = 0.0;     ///< largest rounding error promised on entry (half a count), 0 when lossless
+  /// Lines come when the device likes. False for a recorded source that waits without loss: its groups close when they are
+  /// full, never by time, so that the same scan gives the same bytes at any speed.
+  bool live = true;
+  std::optional<double> pace; ///< lines per second at which the session asks for lines; empty: as they come
+
+  friend bool operator==(const DeviceFacts&, const DeviceFacts&) = default;
+};
+
+enum class Delivery : std::uint8_t {
+  line,    ///< `line` was filled, stamps included
+  gap,     ///< lines were lost: `gap.count` and `gap.reason` were filled; the session knows the first index
+  nothing, ///< nothing came within Driver::kPatienceNsNs
+  end      ///< the source is at its end and will not go on (a recorded scan)
+};
+
+/// One configured device. Thread-bound: all calls come from the acquisition thread of its session. It owns no thread, reads no
+/// clock and writes no log; reopening, back-off, staleness, pacing and counting are the session's.
+///
+/// An error's code says what the session does next (see after_error): a missing device is normal and not an error of the
+/// configuration. Every context names device or file, place, reason and fix.
+class Driver {
+public:
+  /// next() comes back after this long at the latest, so that stopping and staleness work.
+  static constexpr std::int64_t kPatienceNs = 100'000'000;
+
+  Driver() = default;
+  Driver(const Driver&) = delete;
+  Driver& operator=(const Driver&) = delete;
+  virtual ~Driver() = default;
+
+  /// Takes hold of the device: file, port, lock. Called again after close().
+  [[nodiscard]] virtual Result<void> open() = 0;
+  /// Handshake; lines come from now on.
+  [[nodiscard]] virtual Result<DeviceFacts> start() = 0;
+  /// `line` and `gap` come in cleared, with buffers to use again.
+  [[nodiscard]] virtual Result<Delivery> next(LineBuffer& line, Gap& gap) = 0;
+  /// Lets go of the device. Allowed in every state.
+  virtual void close() noexcept = 0;
+  /// Largest rounding error met since start(), in mm.
+  [[nodiscard]] virtual double rounding_mm() const noexcept { return 0.0; }
+};
+
+/// An entry of the registry. To add a driver: a folder with this function, and one scansion_driver() line in
+/// drivers/CMakeLists.txt.
+struct DriverInfo {
+  std::string_view name;
+  std::string_view meaning;        ///< one line for a person
+  std::span<const Option> options; ///< the keys of its [[device]] table besides name and driver
+  /// Makes a driver from values that passed the schema. Checks what a single key cannot show; no input or output.
+  Result<std::unique_ptr<Driver>> (*make)(const OptionValues& values);
+};
+
+/// What a session does about an error of a driver.
+enum class AfterError : std::uint8_t {
+  reopen, ///< not there, lost, or not understood: let go, wait with back-off, open again
+  give_up ///< trying again cannot help before the configuration changes
+};
+[[nodiscard]] constexpr AfterError after_error(Errc code) noexcept {
+  switch (code) {
+    case Errc::usage:
+    case Errc::config:
+    case Errc::bug: return AfterError::give_up;
+    default: return AfterError::reopen;
+  }
+}
+
+} // namespace scansion
