@@ -1,0 +1,143 @@
+// scansim scene: writes a synthetic recorded scan.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/cli/scene_verb.hpp"
+
+#include "sim/cli/output_file.hpp"
+#include "sim/cli/progress.hpp"
+#include "sim/scene/catalog.hpp"
+#include "sim/scene/scan_command.hpp"
+#include "sim/scene/scanner.hpp"
+#include "sim/scene/xyz_text.hpp"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+namespace scansion {
+namespace {
+
+constexpr std::size_t kFlush = 256U * 1024U; // bytes of text a write
+
+CLI::App* add_options(CLI::App& app, SceneRequest& request) {
+  CLI::App* command = app.add_subcommand("scene", "write a synthetic recorded scan (xyz text, millimetres)");
+  ScanPlan& plan = request.plan;
+  command->add_option("NAME", request.scene, "the scene, see --list");
+  command->add_option("-o,--output", request.output, "output file, - for standard output");
+  command->add_option("--lines", plan.lines, "scan lines");
+  command->add_option("--points", plan.points, "points a line (the mean where lines follow the part's silhouette)");
+  command->add_option("--pitch", plan.pitch_mm, "mm from point to point");
+  command->add_option("--spacing", plan.spacing_mm, "mm from line to line");
+  command->add_option("--direction", plan.direction_deg, "degrees, direction of the lines in plan");
+  command->add_option("--tilt", plan.tilt_deg, "degrees, lean of the scan plane, -45 to 45");
+  command->add_option("--seed", plan.seed, "seed of everything random (default 1)");
+  command->add_option("--noise", plan.noise_um, "um, sigma of the noise (default: the scene's)");
+  command->add_option("--correlated", plan.correlated_mm, "mm along the line over which the noise hangs together");
+  command->add_option("--jitter", plan.jitter, "share of the pitch by which points leave their place");
+  command->add_option("--outliers", plan.outliers, "share of points with a spike of 0.3 to 5 mm");
+  command->add_option("--dropouts", plan.dropouts, "share of points that are missing, singly and in bursts");
+  command->add_option("--missing-lines", plan.missing_lines, "share of lines that are missing");
+  command->add_flag("--zigzag", plan.zigzag, "odd lines are scanned backwards");
+  command->add_flag("--list", request.list, "list the scenes");
+  command->add_flag("--json", request.json, "print a summary on standard output");
+  command->add_flag("--force", request.force, "overwrite the output");
+  return command;
+}
+
+Result<void> print(const std::string& text) {
+  SCANSION_TRY(out, OutputFile::create("-", false));
+  return out.write(text);
+}
+
+Result<void> list_scenes(bool json) {
+  nlohmann::ordered_json array = nlohmann::ordered_json::array();
+  std::string text;
+  for (const CatalogEntry& entry : scene_catalog()) {
+    const Scene scene = entry.make();
+    array.push_back({{"scene", scene.name}, {"summary", scene.summary}});
+    text += scene.name + std::string(scene.name.size() < 10 ? 10 - scene.name.size() : 1, ' ') + scene.summary + "\n";
+  }
+  return print(json ? array.dump(2) + "\n" : text);
+}
+
+std::string summary(const SceneRequest& request, const SceneScanner& scanner, std::uint64_t bytes) {
+  const ScanGeometry& geometry = scanner.geometry();
+  const ScanCounts& counts = scanner.counts();
+  const nlohmann::ordered_json json{{"scene", scanner.scene().name},
+                                    {"command", scan_command(scanner.scene(), request.plan)},
+                                    {"output", request.output},
+                                    {"unit", "mm"},
+                                    {"resolution", 0.001},
+                                    {"lines", counts.lines},
+                                    {"points", counts.points},
+                                    {"seed", request.plan.seed},
+                                    {"noise_um", geometry.noise},
+                                    {"pitch_mm", geometry.pitch / 1000.0},
+                                    {"spacing_mm", geometry.spacing / 1000.0},
+                                    {"direction_deg", request.plan.direction_deg},
+                                    {"tilt_deg", request.plan.tilt_deg},
+                                    {"outliers", counts.outliers},
+                                    {"dropouts", counts.dropouts},
+                                    {"missing_lines", counts.missing_lines},
+                                    {"bytes", bytes}};
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+} // namespace
+
+Verb add_scene_verb(CLI::App& app) {
+  auto request = std::make_shared<SceneRequest>(); // CLI11 writes into it while parsing
+  CLI::App* command = add_options(app, *request);
+  return {command, [request] { return run_scene(*request); }};
+}
+
+Result<SceneRequest> parse_scene_command(std::string_view command) {
+  SceneRequest request;
+  CLI::App app;
+  add_options(app, request);
+  app.require_subcommand(1);
+  try {
+    app.parse(std::string(command), true);
+  } catch (const CLI::ParseError& error) {
+    return fail(Errc::usage, "'", command, "': ", error.what());
+  }
+  return request;
+}
+
+Result<void> run_scene(const SceneRequest& request) {
+  if (request.list) return list_scenes(request.json);
+  if (request.scene.empty()) return fail(Errc::usage, "scene: no NAME is given; `scansim scene --list` shows them");
+  if (request.output.empty())
+    return fail(Errc::usage, "scene: no output is given; add -o FILE.xyz, or -o - for standard output");
+  if (request.json && request.output == "-") {
+    return fail(Errc::usage, "scene: --json and -o - both want standard output; write the scan to a file");
+  }
+  SCANSION_TRY(scene, make_scene(request.scene));
+  SCANSION_TRY(scanner, SceneScanner::create(std::move(scene), request.plan));
+  SCANSION_TRY(output, OutputFile::create(request.output, request.force));
+
+  std::string text = scan_header(scanner.scene(), request.plan, scanner.geometry());
+  std::uint64_t bytes = 0;
+  const auto flush = [&]() -> Result<void> {
+    SCANSION_TRY(output.write(text));
+    bytes += text.size();
+    text.clear();
+    return success();
+  };
+  Progress progress("scansim scene", scanner.geometry().lines);
+  SceneLine line;
+  bool first = true;
+  while (scanner.next(line)) {
+    append_xyz(text, line, first);
+    if (text.size() >= kFlush) {
+      SCANSION_TRY(flush());
+    }
+    if (stop_requested()) return fail(Errc::cancelled, request.output, ": stopped by a signal; nothing was kept");
+    progress.at(line.index + std::uint64_t{1});
+  }
+  SCANSION_TRY(flush());
+  SCANSION_TRY(output.finish());
+  if (request.json) return print(summary(request, scanner, bytes));
+  return success();
+}
+
+} // namespace scansion

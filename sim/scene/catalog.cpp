@@ -1,0 +1,36 @@
+// The scenes that scansim knows, by name.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/scene/catalog.hpp"
+
+#include "sim/scene/scenes.hpp"
+
+#include <array>
+#include <string>
+
+namespace scansion {
+namespace {
+
+constexpr std::array kCatalog{
+    CatalogEntry{"plane", make_plane},       CatalogEntry{"steps", make_steps},       CatalogEntry{"slots", make_slots},
+    CatalogEntry{"pocket", make_pocket},     CatalogEntry{"boss", make_boss},         CatalogEntry{"ribs", make_ribs},
+    CatalogEntry{"fillets", make_fillets},   CatalogEntry{"freeform", make_freeform}, CatalogEntry{"part", make_part},
+    CatalogEntry{"paper", make_paper},       CatalogEntry{"flat", make_flat},         CatalogEntry{"zigzag", make_zigzag},
+    CatalogEntry{"two-step", make_two_step},
+};
+
+} // namespace
+
+std::span<const CatalogEntry> scene_catalog() noexcept {
+  return kCatalog;
+}
+
+Result<Scene> make_scene(std::string_view name) {
+  std::string names;
+  for (const CatalogEntry& entry : kCatalog) {
+    if (entry.name == name) return entry.make();
+    names.append(names.empty() ? "" : ", ").append(entry.name);
+  }
+  return fail(Errc::usage, "there is no scene '", name, "'; take one of ", names);
+}
+
+} // namespace scansion

@@ -1,0 +1,24 @@
+// The scenes that scansim knows, by name.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "pipeline/model/result.hpp"
+#include "sim/scene/scene.hpp"
+
+#include <span>
+#include <string_view>
+
+namespace scansion {
+
+struct CatalogEntry {
+  std::string_view name;
+  Scene (*make)();
+};
+
+/// All scenes, in the order they are listed for a person.
+[[nodiscard]] std::span<const CatalogEntry> scene_catalog() noexcept;
+
+/// Fails with usage and the list of names when there is no such scene.
+[[nodiscard]] Result<Scene> make_scene(std::string_view name);
+
+} // namespace scansion

@@ -1,0 +1,45 @@
+// Outlines of features in plan: exact signed distances to half planes, strips and round-cornered boxes.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+namespace scansion {
+
+/// A rectangle along the axes, mm.
+struct Box {
+  double x_low = 0.0, x_high = 0.0, y_low = 0.0, y_high = 0.0;
+
+  [[nodiscard]] bool holds(double x, double y) const noexcept { return x >= x_low && x <= x_high && y >= y_low && y <= y_high; }
+  friend bool operator==(const Box&, const Box&) = default;
+};
+
+/// A region of the plane with the exact distance to its border, negative inside. Level curves of the distance are the
+/// region's offset curves, so every border of a feature is known in closed form. Lengths in mm, angles in degrees.
+class Footprint {
+public:
+  /// The side of the line through (x, y) to which (-sin, cos) of `degrees` points is outside.
+  [[nodiscard]] static Footprint half_plane(double x, double y, double degrees) noexcept;
+  /// Everything within `half_width` of the line through (x, y) in direction `degrees`.
+  [[nodiscard]] static Footprint strip(double x, double y, double degrees, double half_width) noexcept;
+  /// A box of full size `length` by `width` with its length in direction `degrees` and corners of radius `corner`, at most half
+  /// the smaller side. With corner = width / 2 it is a slot with round ends.
+  [[nodiscard]] static Footprint round_box(double x, double y, double length, double width, double corner,
+                                           double degrees = 0.0) noexcept;
+  [[nodiscard]] static Footprint disc(double x, double y, double radius) noexcept;
+
+  [[nodiscard]] double distance(double x, double y) const noexcept;
+  /// Holds every point whose distance is at most `reach`.
+  [[nodiscard]] Box box(double reach) const noexcept;
+
+private:
+  enum class Kind : std::uint8_t { half_plane, strip, round_box };
+  Footprint(Kind kind, double x, double y, double degrees, double a, double b, double radius) noexcept;
+
+  Kind kind_;
+  double x_, y_;          // centre, or a point of the line
+  double cos_, sin_;      // direction of the local first axis
+  double a_, b_, radius_; // half sizes of the core that the radius is added to
+};
+
+} // namespace scansion

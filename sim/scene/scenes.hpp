@@ -1,0 +1,29 @@
+// Makers of the scenes; see the catalog for finding one by name.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "sim/scene/scene.hpp"
+
+namespace scansion {
+
+// One kind of feature each (scenes_basic.cpp).
+[[nodiscard]] Scene make_plane();
+[[nodiscard]] Scene make_steps();
+[[nodiscard]] Scene make_slots();
+[[nodiscard]] Scene make_pocket();
+[[nodiscard]] Scene make_boss();
+[[nodiscard]] Scene make_ribs();
+[[nodiscard]] Scene make_fillets();
+[[nodiscard]] Scene make_freeform();
+
+// Many features (scenes_part.cpp).
+[[nodiscard]] Scene make_part();
+/// 1,214 lines that follow the part's silhouette, 1,328,531 points in all.
+[[nodiscard]] Scene make_paper();
+
+// Lines that are hard on ranking (scenes_adversarial.cpp).
+[[nodiscard]] Scene make_flat();
+[[nodiscard]] Scene make_zigzag();
+[[nodiscard]] Scene make_two_step();
+
+} // namespace scansion
