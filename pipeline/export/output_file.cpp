@@ -36,7 +36,32 @@ bool is_special(const std::string& path) {
   return ::stat(path.c_str(), &info) == 0 && !S_ISREG(info.st_mode) && !S_ISDIR(info.st_mode);
 }
 
+Result<void> copy_to_stdout(int fd, const std::string& shown) {
+  std::vector<char> buffer(std::size_t{1} << 20);
+  if (::lseek(fd, 0, SEEK_SET) != 0) return fail(Errc::io, system_error("cannot read back " + shown, errno).context);
+  while (true) {
+    const ssize_t n = ::read(fd, buffer.data(), buffer.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return fail(Errc::io, system_error("cannot read back " + shown, errno).context);
+    if (n == 0) return success();
+    SCANSION_TRY(write_all(STDOUT_FILENO, {buffer.data(), static_cast<std::size_t>(n)}, "standard output"));
+  }
+}
+
 } // namespace
+
+std::string temporary_folder() {
+  const char* folder = std::getenv("TMPDIR");
+  return folder != nullptr && *folder != '\0' ? folder : "/tmp";
+}
+
+Result<void> copy_to_stdout(const std::string& path) {
+  const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (fd < 0) return boost::outcome_v2::failure(system_error("cannot read back " + path, errno));
+  const Result<void> copied = copy_to_stdout(fd, path);
+  ::close(fd);
+  return copied;
+}
 
 Result<PendingFile> PendingFile::create(const std::string& path, bool force) {
   struct stat info {};
@@ -92,12 +117,11 @@ OutputFile::~OutputFile() {
 Result<OutputFile> OutputFile::create(const std::string& path, bool force, bool patching) {
   if (path == "-" && !patching) return OutputFile(STDOUT_FILENO, "standard output");
   if (path == "-") {
-    const char* folder = std::getenv("TMPDIR");
-    std::string name = std::string(folder != nullptr && *folder != '\0' ? folder : "/tmp") + "/scansion-XXXXXX";
+    std::string name = temporary_folder() + "/scansion-XXXXXX";
     const int fd = ::mkostemp(name.data(), O_CLOEXEC);
     if (fd < 0) return boost::outcome_v2::failure(creation_error(name, errno));
     ::unlink(name.c_str());
-    OutputFile file(fd, "a temporary file in " + name.substr(0, name.rfind('/')));
+    OutputFile file(fd, "a temporary file in " + temporary_folder());
     file.spooled_ = true;
     return file;
   }
@@ -153,20 +177,9 @@ Result<void> OutputFile::patch(std::uint64_t offset, std::string_view bytes) {
   return success();
 }
 
-Result<void> OutputFile::copy_to_stdout() {
-  if (::lseek(fd_, 0, SEEK_SET) != 0) return fail(Errc::io, system_error("cannot read back " + shown_, errno).context);
-  while (true) {
-    const ssize_t n = ::read(fd_, buffer_.data(), buffer_.size());
-    if (n < 0 && errno == EINTR) continue;
-    if (n < 0) return fail(Errc::io, system_error("cannot read back " + shown_, errno).context);
-    if (n == 0) return success();
-    SCANSION_TRY(write_all(STDOUT_FILENO, {buffer_.data(), static_cast<std::size_t>(n)}, "standard output"));
-  }
-}
-
 Result<void> OutputFile::commit() {
   SCANSION_TRY(flush());
-  if (spooled_) return copy_to_stdout();
+  if (spooled_) return copy_to_stdout(fd_, shown_);
   if (fd_ == STDOUT_FILENO) return success();
   if (::close(std::exchange(fd_, -1)) != 0) return fail(Errc::io, system_error("cannot write " + shown_, errno).context);
   if (pending_.empty()) return success();

@@ -51,7 +51,6 @@ public:
 private:
   OutputFile(int fd, std::string shown) : fd_(fd), shown_(std::move(shown)), buffer_(kBuffer) {}
   [[nodiscard]] Result<void> flush();
-  [[nodiscard]] Result<void> copy_to_stdout();
   static constexpr std::size_t kBuffer = std::size_t{1} << 20;
 
   int fd_ = -1;
@@ -61,5 +60,11 @@ private:
   std::vector<char> buffer_;
   std::size_t used_ = 0;
 };
+
+/// Writes the whole file `path` to standard output.
+[[nodiscard]] Result<void> copy_to_stdout(const std::string& path);
+
+/// The folder for temporary files: $TMPDIR, or /tmp.
+[[nodiscard]] std::string temporary_folder();
 
 } // namespace scansion

@@ -1,0 +1,80 @@
+// What every verb shares.
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/cli/command.hpp"
+
+#include <array>
+#include <atomic>
+#include <charconv>
+#include <csignal>
+#include <cstdio>
+#include <unistd.h>
+
+namespace scansion::cli {
+namespace {
+
+volatile std::sig_atomic_t stop_signal = 0;
+
+extern "C" void on_stop_signal(int number) { stop_signal = number; }
+
+} // namespace
+
+void say(const std::string& message) {
+  const std::string line = "scansion: " + message + "\n";
+  // Nothing can be told if standard error is gone.
+  static_cast<void>(std::fwrite(line.data(), 1, line.size(), stderr));
+}
+
+bool stop_requested() noexcept { return stop_signal != 0; }
+
+void catch_stop_signals() {
+  struct sigaction action {};
+  action.sa_handler = on_stop_signal;
+  sigemptyset(&action.sa_mask);
+  action.sa_flags = static_cast<int>(SA_RESETHAND); // a second signal ends the program at once
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+  struct sigaction ignore {};
+  ignore.sa_handler = SIG_IGN; // a closed pipe is a write error with a message, a file size limit too
+  sigaction(SIGPIPE, &ignore, nullptr);
+  sigaction(SIGXFSZ, &ignore, nullptr);
+}
+
+Result<void> check_stop() {
+  if (stop_requested()) return fail(Errc::cancelled, "stopped on request; no output was left");
+  return success();
+}
+
+ProgressLine::ProgressLine(std::string what)
+    : what_(std::move(what)), terminal_(::isatty(STDERR_FILENO) == 1), next_(std::chrono::steady_clock::now()) {}
+
+ProgressLine::~ProgressLine() {
+  if (drawn_) std::fputs("\r\033[K", stderr);
+}
+
+void ProgressLine::show(std::uint64_t done, std::uint64_t total) {
+  if (!terminal_ || total == 0) return;
+  const auto now = std::chrono::steady_clock::now();
+  if (now < next_) return;
+  next_ = now + std::chrono::milliseconds(200);
+  std::fprintf(stderr, "\r\033[K%s %3u %%", what_.c_str(),
+               static_cast<unsigned>(static_cast<double>(done) * 100.0 / static_cast<double>(total)));
+  std::fflush(stderr);
+  drawn_ = true;
+}
+
+std::string number(double value) {
+  std::array<char, 32> text{};
+  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
+}
+
+std::string ranges(const std::vector<std::pair<std::uint64_t, std::uint64_t>>& lines) {
+  std::string text;
+  for (const auto& [first, last] : lines) {
+    if (!text.empty()) text += ", ";
+    text += std::to_string(first);
+    if (last != first) text += "-" + std::to_string(last);
+  }
+  return text;
+}
+
+} // namespace scansion::cli

@@ -1,0 +1,168 @@
+// scansion export: any level of detail of a recording, as points or as the rearrangement.
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/cli/command.hpp"
+#include "pipeline/record/repair.hpp"
+
+#include <charconv>
+#include <memory>
+
+namespace scansion::cli {
+namespace {
+
+struct Options {
+  std::string recording, output, what = "points", scope = "line", lines, format, unit, tolerance, reduction;
+  std::uint32_t level = 0;
+  bool has_level = false, single = false, force = false, strict = false;
+};
+
+Result<double> parse_tolerance(const std::string& text) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size() || !(value >= 0) || value > 1e12)
+    return fail(Errc::usage, "tolerance '", text, "' is no number of millimetres of at least 0");
+  return value;
+}
+
+Result<Selection> selection_of(const Options& o) {
+  Selection s;
+  if (!o.tolerance.empty()) {
+    SCANSION_TRY(tolerance, parse_tolerance(o.tolerance));
+    s.kind = Selection::Kind::tolerance;
+    s.tolerance = tolerance;
+  } else if (!o.reduction.empty()) {
+    SCANSION_TRY(share, parse_reduction(o.reduction));
+    s.kind = Selection::Kind::reduction;
+    s.kept_share = share;
+  } else if (o.has_level) {
+    s.kind = Selection::Kind::level;
+    s.level = o.level;
+  }
+  s.scan_scope = o.scope == "scan";
+  if (s.scan_scope && s.kind != Selection::Kind::reduction)
+    return fail(Errc::usage, "--scope scan goes with --reduction: a tolerance or level is the same in both scopes");
+  if (!o.lines.empty()) {
+    SCANSION_TRY(range, parse_lines(o.lines));
+    s.first_line = range.first;
+    s.end_line = range.second;
+  }
+  return s;
+}
+
+std::string ending_of(const std::string& path) {
+  const std::size_t dot = path.rfind('.');
+  const std::size_t slash = path.rfind('/');
+  if (dot == std::string::npos || (slash != std::string::npos && dot < slash)) return {};
+  return path.substr(dot + 1);
+}
+
+/// What was asked, for the header of the file and for the message.
+std::string describe(const Options& o, const Selection& s) {
+  switch (s.kind) {
+    case Selection::Kind::tolerance: return "tolerance " + o.tolerance + " mm";
+    case Selection::Kind::reduction: return "reduction " + o.reduction + " %, scope " + o.scope;
+    case Selection::Kind::level: return "level " + std::to_string(s.level);
+    case Selection::Kind::all: break;
+  }
+  return "every point";
+}
+
+void report(const Options& o, const Selection& s, const ExportReport& r) {
+  std::string text = (o.output == "-" ? std::string("standard output") : o.output) + ": " + describe(o, s) + ": kept " +
+                     std::to_string(r.kept) + " of " + std::to_string(r.points) + " points in " + std::to_string(r.lines) + " lines";
+  if (r.error_mm && s.kind != Selection::Kind::all) text += ", largest distance left out " + number(*r.error_mm) + " mm";
+  say(text);
+}
+
+Result<void> cut_mcap(const Options& o, const RecordingReader& reader, const Selection& s) {
+  if (s.kind != Selection::Kind::level && s.kind != Selection::Kind::all)
+    return fail(Errc::usage, "an mcap output is a recording cut to a level: give --level K (0 to ",
+                std::to_string(reader.facts().stored_levels - 1), ") or nothing");
+  if (!o.lines.empty()) return fail(Errc::usage, "--lines does not go with an mcap output");
+  if (o.output == "-") return fail(Errc::usage, "an mcap output needs a file");
+  const std::uint32_t level = s.kind == Selection::Kind::level ? s.level : reader.facts().stored_levels - 1;
+  if (level >= reader.facts().stored_levels)
+    return fail(Errc::usage, "level ", std::to_string(level), " is not stored; the recording has levels 0 to ",
+                std::to_string(reader.facts().stored_levels - 1));
+  SCANSION_TRY(pending, PendingFile::create(o.output, o.force));
+  SCANSION_TRY(cut_to_level(o.recording, level, pending.name()));
+  return pending.commit();
+}
+
+Result<void> write_points(const Options& o, RecordingReader& reader, const Selection& s, const std::string& format_name,
+                          const Progress& progress) {
+  SCANSION_TRY(format, parse_point_format(format_name));
+  Unit unit = reader.facts().lattice.unit;
+  if (!o.unit.empty()) {
+    SCANSION_TRY(asked, parse_unit(o.unit));
+    unit = asked;
+  }
+  SCANSION_TRY(values, ValueFormat::make(reader.facts().lattice, unit, o.single));
+  const auto writer = make_point_writer(format, values, {unit, o.single, describe(o, s)});
+  SCANSION_TRY(file, OutputFile::create(o.output, o.force, needs_patching(format)));
+  SCANSION_TRY(written, export_points(reader, s, *writer, file, progress));
+  SCANSION_TRY(file.commit());
+  report(o, s, written);
+  return success();
+}
+
+Result<void> write_rearrangement(const Options& o, RecordingReader& reader, const Selection& s, const Progress& progress) {
+  if (s.kind != Selection::Kind::all)
+    return fail(Errc::usage, "a rearrangement holds every point in rank order: take its first rows instead of a selection");
+  SCANSION_TRY(file, OutputFile::create(o.output, o.force, false));
+  SCANSION_TRY(written, export_rearrangement(reader, s, file, progress));
+  SCANSION_TRY(file.commit());
+  report(o, s, written);
+  return success();
+}
+
+Result<int> run_export(const Options& o) {
+  SCANSION_TRY(selection, selection_of(o));
+  SCANSION_TRY(reader, RecordingReader::open(o.recording));
+  const std::string format = o.format.empty() ? (o.output == "-" ? std::string("xyz") : ending_of(o.output)) : o.format;
+  ProgressLine line("export");
+  const Progress progress = [&](std::uint64_t done, std::uint64_t total) {
+    line.show(done, total);
+    return check_stop();
+  };
+  if (format == "mcap") {
+    SCANSION_TRY(cut_mcap(o, reader, selection));
+  } else if (o.what == "rearrangement") {
+    SCANSION_TRY(write_rearrangement(o, reader, selection, progress));
+  } else {
+    SCANSION_TRY(write_points(o, reader, selection, format, progress));
+  }
+  if (reader.complete() && reader.gaps().empty()) return kDone;
+  if (!reader.complete()) say(o.recording + " is unfinished: what follows its last whole group is not in the output; see scansion verify");
+  if (!reader.gaps().empty()) say(o.recording + " has " + std::to_string(reader.gaps().size()) + " gap(s); see scansion info");
+  return o.strict ? kBadAnswer : kDone;
+}
+
+} // namespace
+
+Verb add_export(CLI::App& root) {
+  auto* app = root.add_subcommand("export", "Write points of a recording at any level of detail");
+  auto o = std::make_shared<Options>();
+  app->add_option("recording", o->recording, "The recording")->required();
+  app->add_option("-o,--output", o->output, "The output; - is standard output")->required();
+  app->add_option("--what", o->what, "What to write")->check(CLI::IsMember({"points", "rearrangement"}))->capture_default_str();
+  auto* tolerance = app->add_option("--tolerance", o->tolerance, "Keep the points farther than this many mm: error at most this");
+  auto* reduction = app->add_option("--reduction", o->reduction, "Leave out this many percent of the points");
+  auto* level = app->add_option("--level", o->level, "Keep the points of this stored level; 0 is the coarsest");
+  tolerance->excludes(reduction)->excludes(level);
+  reduction->excludes(level);
+  app->add_option("--scope", o->scope, "Reduce each run alone, or the scan by one common order")
+      ->check(CLI::IsMember({"line", "scan"}))
+      ->capture_default_str();
+  app->add_option("--lines", o->lines, "Lines A to B-1 only, as A:B");
+  app->add_option("--format", o->format, "xyz, txt, csv, ply, pcd, obj, json or mcap; default: by the ending of the output");
+  app->add_option("--unit", o->unit, "Unit of the output; default: that of the input");
+  app->add_flag("--float32", o->single, "Write single precision");
+  app->add_flag("--force", o->force, "Replace an existing output");
+  app->add_flag("--strict", o->strict, "Exit 1 when the recording is unfinished or has gaps");
+  return {app, [o, level] {
+            o->has_level = level->count() > 0;
+            return run_export(*o);
+          }};
+}
+
+} // namespace scansion::cli

@@ -1,0 +1,31 @@
+// scansion: compress recorded scans; read, check, repair and export recordings; talk to the daemon.
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/cli/command.hpp"
+
+#include <vector>
+
+int main(int argc, char** argv) {
+  using namespace scansion;
+  using namespace scansion::cli;
+  CLI::App root{"Multiresolution recordings of digitizing machines and laser line scanners", "scansion"};
+  root.set_version_flag("--version", SCANSION_VERSION);
+  root.require_subcommand(1);
+  root.footer("Exit codes: 0 done, 1 bad answer, 2 usage, 65 input, 69 not available, 73/74 output and I/O, 77 permission, "
+              "78 configuration.");
+  const std::vector<Verb> verbs{add_compress(root), add_export(root),  add_info(root),   add_verify(root),
+                                add_recover(root),  add_compare(root), add_status(root), add_completion(root)};
+  try {
+    root.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return root.exit(error) == 0 ? kDone : kUsage;
+  }
+  catch_stop_signals();
+  for (const Verb& verb : verbs) {
+    if (!verb.app->parsed()) continue;
+    const Result<int> code = verb.run();
+    if (code) return code.value();
+    say(code.error().context);
+    return code.error().code == Errc::cancelled ? kInterrupted : exit_code(code.error().code);
+  }
+  return kUsage;
+}
