@@ -13,6 +13,9 @@ constexpr double kShare = 0.07;
 // A group whose finest level keeps this many times more or fewer points has left the range.
 constexpr double kShareRange = 4.0;
 constexpr double kSigmas = 5.5;
+// A smaller change of the finest tolerance is not worth an epoch: on pure noise the share alone would ask for one every group.
+constexpr double kWorthMoving = 1.5;
+constexpr std::uint32_t kMaxEpoch = 0xFFFF; // a 16 bit field of the payload header
 // Fewer inner points say nothing about a scan.
 constexpr std::size_t kEnoughPoints = 256;
 
@@ -99,9 +102,11 @@ const AlphaSet& Calibrator::next(const LineGroup& group, const GroupRanks& ranks
   if (change) {
     std::vector<double> tolerances = calibrate(group, ranks, resolution_mm);
     calibrated_ = inner >= kEnoughPoints;
+    const double moved = alpha_.tolerances.empty() ? 1.0 : tolerances.back() / alpha_.tolerances.back();
+    const bool worth = moved > kWorthMoving || moved < 1 / kWorthMoving || spec_.kind == LevelSpec::Kind::uniform;
     if (alpha_.tolerances.empty()) {
       alpha_.tolerances = std::move(tolerances);
-    } else if (tolerances != alpha_.tolerances) {
+    } else if (worth && tolerances != alpha_.tolerances && alpha_.epoch < kMaxEpoch) {
       alpha_.tolerances = std::move(tolerances);
       ++alpha_.epoch;
     }
