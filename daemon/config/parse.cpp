@@ -129,31 +129,33 @@ OptionValue to_value(const OptionDefault& standard) {
   return false;
 }
 
-void report_unknown(const toml::key& key, std::span<const std::string_view> known, std::string_view where, Problems& problems) {
+void report_unknown(const toml::key& key, std::span<const std::string_view> known, Problems& problems) {
   const std::string_view nearest = nearest_name(key.str(), known);
-  problems.add(key.source(), "unknown key ", shown(key.str()), std::string(where),
+  problems.add(key.source(), "unknown key ", shown(key.str()),
                nearest.empty() ? std::string() : "; nearest is \"" + std::string(nearest) + '"');
 }
 
-/// Reads the keys of `options` from `table`. Keys of neither `options` nor `others` are unknown.
-void read_table(const toml::table& table, std::span<const Option> options, std::span<const Option> others, Problems& problems,
-                OptionValues& out) {
+/// Keys of `table` that none of the schemas has.
+void check_keys(const toml::table& table, std::initializer_list<std::span<const Option>> schemas, Problems& problems) {
   std::vector<std::string_view> known;
-  for (const Option& option : options) known.push_back(option.key);
-  for (const Option& option : others) known.push_back(option.key);
-  for (const auto& [key, node] : table) {
-    const auto option = std::find_if(options.begin(), options.end(), [&](const Option& o) { return o.key == key.str(); });
-    if (option != options.end())
-      read_key(*option, node, problems, out);
-    else if (std::find(known.begin(), known.end(), key.str()) == known.end())
-      report_unknown(key, known, "", problems);
+  for (const auto& schema : schemas) {
+    for (const Option& option : schema) known.push_back(option.key);
   }
-  for (const Option& option : options) {
-    if (table.contains(option.key)) continue;
-    if (option.required)
+  for (const auto& [key, node] : table) {
+    if (std::find(known.begin(), known.end(), key.str()) == known.end()) report_unknown(key, known, problems);
+  }
+}
+
+/// Reads the keys of one schema; keys it does not have are for check_keys.
+void read_table(const toml::table& table, std::span<const Option> schema, Problems& problems, OptionValues& out) {
+  for (const Option& option : schema) {
+    if (const toml::node* node = table.get(option.key)) {
+      read_key(option, *node, problems, out);
+    } else if (option.required) {
       problems.add(table.source(), "key \"", std::string(option.key), "\" is missing: ", std::string(option.meaning));
-    else if (!std::holds_alternative<std::monostate>(option.standard))
+    } else if (!std::holds_alternative<std::monostate>(option.standard)) {
       out.set(option.key, to_value(option.standard));
+    }
   }
 }
 
@@ -164,7 +166,9 @@ void read_section(const toml::table& root, const Section& section, Problems& pro
     problems.add(node->source(), "\"", std::string(section.name), "\" must be a table: [", std::string(section.name), "]");
     node = nullptr;
   }
-  read_table(node != nullptr ? *node->as_table() : empty, section.options, {}, problems, out);
+  const toml::table& table = node != nullptr ? *node->as_table() : empty;
+  check_keys(table, {section.options}, problems);
+  read_table(table, section.options, problems, out);
 }
 
 /// name and driver are looked up first: the other keys are those of the driver.
@@ -176,18 +180,14 @@ void read_device(const toml::table& table, Problems& problems, std::vector<Devic
   const DriverInfo* driver = driver_name != nullptr ? find_driver(driver_name->get()) : nullptr;
   if (driver == nullptr) {
     // Without its driver nothing can be said about a device's other keys.
-    for (const Option& option : common) {
-      if (const toml::node* node = table.get(option.key))
-        read_key(option, *node, problems, head);
-      else
-        problems.add(table.source(), "key \"", std::string(option.key), "\" is missing: ", std::string(option.meaning));
-    }
+    read_table(table, common, problems, head);
     return;
   }
   DeviceConfig device;
   device.driver = driver;
-  read_table(table, common, driver->options, problems, head);
-  read_table(table, driver->options, common, problems, device.options);
+  check_keys(table, {common, driver->options}, problems);
+  read_table(table, common, problems, head);
+  read_table(table, driver->options, problems, device.options);
   device.name = head.text("name");
   const auto same = [&](const DeviceConfig& other) { return other.name == device.name; };
   if (const toml::node* name = table.get("name"); name != nullptr && std::any_of(out.begin(), out.end(), same)) {
@@ -218,7 +218,7 @@ void check_root(const toml::table& root, Problems& problems) {
   const std::string_view known[] = {recording_section().name, control_section().name, pipeline_section().name,
                                     device_section().name};
   for (const auto& [key, node] : root) {
-    if (std::find(std::begin(known), std::end(known), key.str()) == std::end(known)) report_unknown(key, known, "", problems);
+    if (std::find(std::begin(known), std::end(known), key.str()) == std::end(known)) report_unknown(key, known, problems);
   }
 }
 
