@@ -61,6 +61,8 @@ private:
   Result<void> find_third_column(bool whole);
   Result<void> survey_points(bool whole, Survey& survey);
   Result<bool> fits_all_runs();
+  Result<void> use_exact(const Survey& survey, bool whole);
+  Result<bool> holds_only_singles(bool whole);
   void rewind();
   Result<void> add_point(const Sample& sample);
   Error misfit(const Sample& sample, std::size_t axis) const;
@@ -88,15 +90,14 @@ Result<void> Importer::Impl::find_third_column(bool whole) {
     for (const Sample& sample : samples.value()) {
       if (sample.kind == SampleKind::line_end) continue;
       const Number& value = sample.xyz[2];
-      const bool mark = sample.kind == SampleKind::point && value.kind == NumberKind::decimal && value.exponent == 0 &&
-                        (value.mantissa == 0 || value.mantissa == 1);
+      const bool mark = sample.kind == SampleKind::point && is_zero_or_one(value);
       if (!mark) {
         if (before == ThirdColumn::label)
           notes.say(Notes::Subject::no_labels,
                     stream.where(sample.place) + ": third column is more than 0 and 1: it is read as z after all");
         return success();
       }
-      one = one || value.mantissa == 1;
+      one = one || value.mantissa != 0;
     }
   }
   if (!one) return success();
@@ -136,17 +137,41 @@ Result<void> Importer::Impl::survey(bool whole) {
   Survey survey(options);
   SCANSION_TRY(survey_points(whole, survey));
   SCANSION_TRY(use(survey.choose()));
-  if (complete && !lattice.exact && survey.wide()) {
+  bool exact = lattice.exact;
+  if (complete && !exact && survey.wide()) {
     SCANSION_TRY(fits, fits_all_runs());
-    if (!fits) {
-      SCANSION_TRY(use(survey.exact()));
+    exact = !fits;
+  }
+  if (!exact || !std::holds_alternative<ResolutionAuto>(options.resolution)) return success();
+  return use_exact(survey, whole);
+}
+
+/// No decimal lattice holds the values. Text often shows singles, and as such it costs far fewer bits than as doubles.
+Result<void> Importer::Impl::use_exact(const Survey& survey, bool whole) {
+  bool singles = false;
+  if (survey.only_decimals()) {
+    SCANSION_TRY(only, holds_only_singles(whole));
+    singles = only;
+  }
+  SCANSION_TRY(use(singles ? survey.exact(Source::float32) : survey.exact()));
+  notes.say(Notes::Subject::bits, stream.description() +
+                                      ": the decimals do not fit one integer lattice: every bit of the values is "
+                                      "kept instead; give a resolution to round them");
+  return success();
+}
+
+Result<bool> Importer::Impl::holds_only_singles(bool whole) {
+  stream.restart(third);
+  while (whole || stream.bytes_read() < kFirstLook) {
+    SCANSION_TRY(samples, stream.next());
+    if (samples.empty()) break;
+    for (const Sample& sample : samples) {
+      if (sample.kind != SampleKind::point) continue;
+      for (const Number& number : sample.xyz)
+        if (!as_single(number)) return false;
     }
   }
-  if (lattice.exact && std::holds_alternative<ResolutionAuto>(options.resolution))
-    notes.say(Notes::Subject::bits, stream.description() +
-                                        ": the decimals do not fit one integer lattice: every bit of the values is "
-                                        "kept instead; give a resolution to round them");
-  return success();
+  return true;
 }
 
 Result<void> Importer::Impl::use(const Lattice& chosen) {

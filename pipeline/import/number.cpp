@@ -123,6 +123,23 @@ const char* parse_number(const char* text, Number& out) noexcept {
   return p;
 }
 
+namespace {
+
+/// Writes "mantissa e exponent"; returns the end.
+char* write_scientific(const Number& decimal, std::array<char, 48>& text) noexcept {
+  char* p = std::to_chars(text.data(), text.data() + 24, decimal.mantissa).ptr;
+  *p++ = 'e';
+  return std::to_chars(p, text.data() + text.size(), decimal.exponent).ptr;
+}
+
+Number without_zeros(Number decimal) noexcept {
+  if (decimal.mantissa == 0) return Number::whole(0);
+  for (; decimal.mantissa % 10 == 0; ++decimal.exponent) decimal.mantissa /= 10;
+  return decimal;
+}
+
+} // namespace
+
 double to_double(const Number& number) noexcept {
   if (number.kind == NumberKind::invalid) return std::numeric_limits<double>::quiet_NaN();
   if (number.kind != NumberKind::decimal) return number.bits_value();
@@ -132,11 +149,9 @@ double to_double(const Number& number) noexcept {
     return static_cast<double>(m) / static_cast<double>(kPowersOfTen[static_cast<std::size_t>(-number.exponent)]);
   if (m == 0) return 0.0;
   std::array<char, 48> text{};
-  char* p = std::to_chars(text.data(), text.data() + 24, m).ptr;
-  *p++ = 'e';
-  p = std::to_chars(p, text.data() + text.size(), number.exponent).ptr;
   double value = 0.0;
-  if (std::from_chars(text.data(), p, value).ec == std::errc::result_out_of_range && number.exponent > 0)
+  if (std::from_chars(text.data(), write_scientific(number, text), value).ec == std::errc::result_out_of_range &&
+      number.exponent > 0)
     value = std::numeric_limits<double>::infinity();
   return number.exponent > 0 && m < 0 && value > 0 ? -value : value;
 }
@@ -147,6 +162,29 @@ int decimals_of(const Number& decimal) noexcept {
   int exponent = decimal.exponent;
   for (; exponent < 0 && mantissa % 10 == 0; ++exponent) mantissa /= 10;
   return exponent < 0 ? -exponent : 0;
+}
+
+std::optional<float> as_single(const Number& decimal) noexcept {
+  if (decimal.mantissa == 0) return 0.0F;
+  const Number number = without_zeros(decimal);
+  constexpr std::int64_t kSixDigits = 1000000;
+  constexpr int kExactPower = 10; // 10^10 is the last power of ten that is a single
+  if (number.mantissa < kSixDigits && number.mantissa > -kSixDigits && number.exponent <= 0 && number.exponent >= -kExactPower)
+    // One division of exact singles rounds once, and six digits always survive a single.
+    return static_cast<float>(number.mantissa) / static_cast<float>(kPowersOfTen[static_cast<std::size_t>(-number.exponent)]);
+  std::array<char, 48> text{};
+  float value = 0.0F;
+  if (std::from_chars(text.data(), write_scientific(number, text), value).ec != std::errc()) return std::nullopt;
+  const Number shortest = without_zeros(shortest_decimal(Number::ieee(NumberKind::float32, static_cast<double>(value))));
+  if (shortest.mantissa != number.mantissa || shortest.exponent != number.exponent) return std::nullopt;
+  return value;
+}
+
+bool is_zero_or_one(const Number& number) noexcept {
+  if (number.kind != NumberKind::decimal) return false;
+  if (number.mantissa == 0) return true;
+  return number.exponent <= 0 && number.exponent >= -kMaxDigits &&
+         number.mantissa == kPowersOfTen[static_cast<std::size_t>(-number.exponent)];
 }
 
 Number shortest_decimal(const Number& ieee) noexcept {

@@ -5,6 +5,7 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <optional>
 
 namespace scansion {
 
@@ -48,8 +49,14 @@ inline constexpr std::array<std::int64_t, kMaxDigits + 1> kPowersOfTen = [] {
 /// Digits after the point that a decimal needs, trailing zeros left out.
 [[nodiscard]] int decimals_of(const Number& decimal) noexcept;
 
+/// A decimal with the value 0 or 1, however many zeros it is written with.
+[[nodiscard]] bool is_zero_or_one(const Number& number) noexcept;
+
 /// The shortest decimal that reads back as the same bits of its type.
 [[nodiscard]] Number shortest_decimal(const Number& ieee) noexcept;
+
+/// The single whose shortest decimal is this very number, so that text which was made from singles can be kept as singles.
+[[nodiscard]] std::optional<float> as_single(const Number& decimal) noexcept;
 
 enum class Scaled : std::uint8_t { ok, fraction, overflow };
 

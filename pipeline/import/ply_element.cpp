@@ -17,6 +17,17 @@ T load(const char* p, bool swap) noexcept {
   return std::bit_cast<T>(bytes);
 }
 
+/// Reads the number at `p`, which a blank or the row's end must follow; null when there is none.
+const char* parse_word(const char* p, Number& out) noexcept {
+  while (*p == ' ' || *p == '\t') ++p;
+  const char* const end = parse_number(p, out);
+  return end != nullptr && (*end == ' ' || *end == '\n' || *end == '\t' || *end == '\r') ? end : nullptr;
+}
+
+bool is_blank_row(std::string_view row) noexcept {
+  return row.find_first_not_of(" \t\r") == std::string_view::npos;
+}
+
 /// Cuts the next word off `row`; empty at its end.
 std::string_view next_word(std::string_view& row) noexcept {
   const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
@@ -63,14 +74,34 @@ Result<void> PlyElementReader::read(ByteWindow& window, PlyRecord& record) {
   return success();
 }
 
+/// The usual row; false for anything else, which read_text_property then explains.
+bool PlyElementReader::parse_row(const char* p, PlyRecord& record) const noexcept {
+  Number spare;
+  for (std::size_t i = 0; i < wanted_; ++i) {
+    Number& number = slots_[i] == kIgnore ? spare : record.values[slots_[i]];
+    std::int64_t count = 1;
+    if (element_.properties[i].count_type) {
+      p = parse_word(p, spare);
+      if (p == nullptr || spare.kind != NumberKind::decimal || spare.exponent != 0 || spare.mantissa < 0) return false;
+      count = spare.mantissa;
+      if (slots_[i] != kIgnore) record.list_count = static_cast<std::uint64_t>(count);
+    }
+    for (std::int64_t k = 0; k < count; ++k) {
+      p = parse_word(p, k == 0 ? number : spare);
+      if (p == nullptr) return false;
+    }
+  }
+  return true;
+}
+
 Result<void> PlyElementReader::read_text(ByteWindow& window, PlyRecord& record) {
   std::string_view row;
-  std::string_view rest;
   do {
     SCANSION_TRY(more, window.next_row(row));
     if (!more) return cut_off(window);
-    rest = row;
-  } while (next_word(rest).empty());
+    if (wanted_ > 0 ? parse_row(row.data(), record) : !is_blank_row(row)) return success();
+  } while (is_blank_row(row));
+  record.list_count = 0;
   for (std::size_t i = 0; i < wanted_; ++i) {
     SCANSION_TRY(read_text_property(window, i, row, record));
   }

@@ -28,6 +28,7 @@ public:
   [[nodiscard]] std::uint64_t index() const noexcept { return index_; }
 
 private:
+  [[nodiscard]] bool parse_row(const char* p, PlyRecord& record) const noexcept;
   [[nodiscard]] Result<void> read_text(ByteWindow& window, PlyRecord& record);
   [[nodiscard]] Result<void> read_text_property(const ByteWindow& window, std::size_t property, std::string_view& row,
                                                 PlyRecord& record) const;

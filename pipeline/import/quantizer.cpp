@@ -53,8 +53,12 @@ bool Quantizer::total_of(const Number& number, std::int64_t& total) noexcept {
 }
 
 bool Quantizer::exact_total_of(const Number& number, std::int64_t& total, std::int64_t& ulp) const noexcept {
-  if (lattice_.source == Source::float32 && number.kind != NumberKind::float32) return false;
-  const double value = to_double(number);
+  double value = to_double(number);
+  if (lattice_.source == Source::float32 && number.kind != NumberKind::float32) {
+    const auto single = number.kind == NumberKind::decimal ? as_single(number) : std::nullopt;
+    if (!single) return false;
+    value = static_cast<double>(*single);
+  }
   const double counts = value * per_unit_;
   if (!(std::fabs(counts) < 0x1p62)) return false;
   total = std::llround(counts);

@@ -146,15 +146,23 @@ Lattice Survey::choose() const {
 }
 
 Lattice Survey::exact() const {
-  if (mode_ == Mode::bits) return exact_between(low_, high_);
-  Survey bits = *this;
-  bits.give_up_decimals();
-  return exact_between(bits.low_, bits.high_);
+  return exact(kinds_ == bit_of(NumberKind::float32) ? Source::float32 : Source::float64);
 }
 
-Lattice Survey::exact_between(const std::array<double, 3>& low, const std::array<double, 3>& high) const {
+Lattice Survey::exact(Source source) const {
+  Survey bits = *this;
+  if (mode_ == Mode::decimals) bits.give_up_decimals();
+  if (source == Source::float32)
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      bits.low_[axis] = static_cast<double>(static_cast<float>(bits.low_[axis]));
+      bits.high_[axis] = static_cast<double>(static_cast<float>(bits.high_[axis]));
+    }
+  return exact_between(source, bits.low_, bits.high_);
+}
+
+Lattice Survey::exact_between(Source source, const std::array<double, 3>& low, const std::array<double, 3>& high) const {
   Lattice lattice = base();
-  if (lattice.source == Source::decimal) lattice.source = Source::float64;
+  lattice.source = source;
   lattice.exact = true;
   constexpr int kFinest = -52;
   constexpr int kCoarsest = 52;
@@ -179,6 +187,10 @@ Lattice Survey::exact_between(const std::array<double, 3>& low, const std::array
     lattice.origin[axis] = origin_of(std::llround(low[axis] / resolution), std::llround(high[axis] / resolution));
   }
   return lattice;
+}
+
+bool Survey::only_decimals() const noexcept {
+  return kinds_ == bit_of(NumberKind::decimal);
 }
 
 bool Survey::wide() const noexcept {

@@ -21,6 +21,9 @@ public:
   [[nodiscard]] Lattice choose() const;
   /// The lattice that keeps every bit of each value as IEEE.
   [[nodiscard]] Lattice exact() const;
+  /// The same with all values as `source`, into which they must fit.
+  [[nodiscard]] Lattice exact(Source source) const;
+  [[nodiscard]] bool only_decimals() const noexcept;
   /// Some axis spans so many counts of `choose()` that a run may span too many.
   [[nodiscard]] bool wide() const noexcept;
 
@@ -34,7 +37,7 @@ private:
   void refine(int decimals) noexcept;
   void give_up_decimals() noexcept;
   [[nodiscard]] Lattice base() const noexcept;
-  [[nodiscard]] Lattice exact_between(const std::array<double, 3>& low, const std::array<double, 3>& high) const;
+  [[nodiscard]] Lattice exact_between(Source source, const std::array<double, 3>& low, const std::array<double, 3>& high) const;
 
   const ImportOptions& options_;
   double farthest_; ///< input units

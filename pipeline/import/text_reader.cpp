@@ -153,8 +153,7 @@ Result<void> TextReader::read_field(std::size_t column, Sample& sample) {
                 !options_.csv && is_heading(fields_) ? "put # before a heading, or name the format csv"
                                                      : "write numbers with a decimal point, # before comments");
   if (role == Column::label) {
-    if (label.kind == NumberKind::decimal && label.exponent == 0 && (label.mantissa == 0 || label.mantissa == 1))
-      return success();
+    if (is_zero_or_one(label)) return success();
     return fail(Errc::finer, window_.where(), ": third column holds ", quoted(field),
                 ", so it is no label; look at the whole input for the columns");
   }
