@@ -31,7 +31,7 @@ public:
   ~RecordingReader();
 
   [[nodiscard]] const RecordingFacts& facts() const noexcept;
-  [[nodiscard]] bool complete() const noexcept;                         ///< has its end, summary and footer
+  [[nodiscard]] bool complete() const noexcept;                          ///< has its end, summary and footer
   [[nodiscard]] const std::optional<RecordingEnd>& end() const noexcept; ///< empty while unfinished
   [[nodiscard]] const std::vector<GroupEntry>& groups() const noexcept;
   [[nodiscard]] const std::vector<Gap>& gaps() const noexcept;

@@ -16,12 +16,12 @@ struct RecordingFacts {
   std::string device = "file"; ///< channel names are scan/<device>/...; letters, digits, '-', '_', '.'
   std::uint32_t stream = 0;    ///< ties groups to their recording; chosen by the writer's caller
   Lattice lattice;
-  LevelSpec levels;                            ///< as asked for
-  std::uint32_t level_count = 3;               ///< n: lod channels per group
-  std::uint32_t stored_levels = 4;             ///< channels really present of the n + 1 (fewer after `export --level K`)
-  std::optional<double> gap_mm;                ///< steps longer than this split a line
-  std::optional<std::int64_t> started_ns;      ///< realtime; empty offline, so that equal input gives equal bytes
-  double rounding_mm = 0.0;                    ///< largest rounding error bound promised on entry (half a count), 0 when lossless
+  LevelSpec levels;                       ///< as asked for
+  std::uint32_t level_count = 3;          ///< n: lod channels per group
+  std::uint32_t stored_levels = 4;        ///< channels really present of the n + 1 (fewer after `export --level K`)
+  std::optional<double> gap_mm;           ///< steps longer than this split a line
+  std::optional<std::int64_t> started_ns; ///< realtime; empty offline, so that equal input gives equal bytes
+  double rounding_mm = 0.0;               ///< largest rounding error bound promised on entry (half a count), 0 when lossless
 
   friend bool operator==(const RecordingFacts&, const RecordingFacts&) = default;
 };

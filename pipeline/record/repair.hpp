@@ -19,11 +19,11 @@ struct Finding {
 using LineRange = std::pair<std::uint64_t, std::uint64_t>;
 
 struct VerifyReport {
-  bool sound = false;    ///< finished and not a single finding
-  bool finished = false; ///< has its end, summary and footer
+  bool sound = false;                                        ///< finished and not a single finding
+  bool finished = false;                                     ///< has its end, summary and footer
   std::uint64_t groups = 0, lines = 0, points = 0, gaps = 0; ///< of the whole groups
-  std::uint64_t good_bytes = 0;   ///< up to the end of the last whole chunk
-  std::vector<Finding> findings;  ///< damage, in file order (at most 100, then only counted)
+  std::uint64_t good_bytes = 0;                              ///< up to the end of the last whole chunk
+  std::vector<Finding> findings;                             ///< damage, in file order (at most 100, then only counted)
   std::uint64_t finding_count = 0;
   std::vector<LineRange> lost; ///< line ranges that are missing or damaged, so far as the good groups tell
 };
@@ -40,12 +40,13 @@ struct RecoverReport {
   [[nodiscard]] bool anything_lost() const noexcept { return !lost.empty() || tail_lost; }
 };
 
-/// Writes every whole group that can be found by its mark into a new finished recording at `output` (must not exist), with a gap
-/// message for each lost range, and verifies the result. Payload bytes are copied unchanged. Streaming: memory follows the group.
+/// Writes every whole group that can be found by its mark into a new finished recording at `output` (must not exist), with a
+/// gap message for each lost range, and verifies the result. Payload bytes are copied unchanged. Streaming: memory follows the
+/// group.
 [[nodiscard]] Result<RecoverReport> recover(const std::string& input, const std::string& output);
 
-/// Finishes an unfinished recording in place: cuts it after its last whole chunk, then writes end, summary and footer. A finished
-/// recording is left alone. Returns the number of bytes cut off.
+/// Finishes an unfinished recording in place: cuts it after its last whole chunk, then writes end, summary and footer. A
+/// finished recording is left alone. Returns the number of bytes cut off.
 [[nodiscard]] Result<std::uint64_t> finish_in_place(const std::string& path);
 
 /// Copies lod0 .. lod<level> of every group into a new recording without changing a payload byte.

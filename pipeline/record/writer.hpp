@@ -13,8 +13,8 @@ namespace scansion {
 
 class RecordingWriter {
 public:
-  /// Creates `path` (fails with exists when it is there) and writes the head. The file is a valid unfinished recording from then
-  /// on: it can be read, verified and finished at any moment, also after a kill.
+  /// Creates `path` (fails with exists when it is there) and writes the head. The file is a valid unfinished recording from
+  /// then on: it can be read, verified and finished at any moment, also after a kill.
   [[nodiscard]] static Result<RecordingWriter> create(const std::string& path, const RecordingFacts& facts);
   RecordingWriter(RecordingWriter&&) noexcept;
   RecordingWriter& operator=(RecordingWriter&&) noexcept;

@@ -1,0 +1,177 @@
+// Appending whole blocks.
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/record/appender.hpp"
+
+#include "pipeline/record/metadata.hpp"
+#include "pipeline/record/tail.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace scansion {
+
+Appender::Appender(File file, const RecordingFacts& facts)
+    : file_(std::move(file)), facts_(facts), copy_(facts_record(facts)) {}
+
+Result<Appender> Appender::start(File file, const RecordingFacts& facts) {
+  Appender appender(std::move(file), facts);
+  const Bytes head = head_bytes(facts);
+  const ByteView view(head);
+  SCANSION_TRY(appender.write(std::span(&view, 1)));
+  appender.state_.size = head.size();
+  appender.state_.data_crc = mcap::crc32(0, head);
+  appender.state_.copies.push_back(head.size() - appender.copy_.size());
+  return appender;
+}
+
+Result<Appender> Appender::resume(File file, const RecordingFacts& facts, State state) {
+  Appender appender(std::move(file), facts);
+  appender.state_ = std::move(state);
+  SCANSION_TRY(appender.file_.truncate(appender.state_.size + appender.state_.standing));
+  return appender;
+}
+
+Result<void> Appender::usable() const {
+  if (torn_)
+    return fail(Errc::io, file_.path(),
+                ": a failed write could not be cut off; nothing more is written: start another recording");
+  if (finished_) return fail(Errc::usage, file_.path(), ": the recording is finished; start another one");
+  return success();
+}
+
+/// After this call the file holds `pieces` behind what it held, or what it held.
+Result<void> Appender::write(std::span<const ByteView> pieces) {
+  std::vector<ByteView> rest;
+  if (state_.standing > 0) {
+    std::uint64_t skip = state_.standing;
+    for (const ByteView piece : pieces) {
+      const std::uint64_t here = std::min<std::uint64_t>(skip, piece.size());
+      rest.push_back(piece.subspan(here));
+      skip -= here;
+    }
+    pieces = rest;
+  }
+  auto written = file_.write_at(state_.size + state_.standing, pieces);
+  if (!written) return cut_back(std::move(written).error());
+  state_.standing = 0;
+  return success();
+}
+
+Error Appender::cut_back(Error cause) {
+  const auto cut = file_.truncate(state_.size + state_.standing);
+  if (!cut) {
+    torn_ = true;
+    cause.context += "; then " + cut.error().context;
+  }
+  return cause;
+}
+
+Result<PayloadHeader> Appender::check(std::span<const ByteView> payloads) const {
+  const auto wrong = [&](std::string_view what) {
+    return fail(Errc::usage, file_.path(), ": a group cannot be written: ", what);
+  };
+  if (payloads.size() != payloads_per_group(facts_)) return wrong("it has not as many payloads as the recording has channels");
+  PayloadHeader lines;
+  std::uint64_t size = mcap::kChunkHead;
+  for (std::size_t i = 0; i < payloads.size(); ++i) {
+    const auto header = parse_payload_header(payloads[i]);
+    if (!header) return wrong(header.error().context);
+    if (i == 0) lines = header.value();
+    if (!belongs(header.value(), i, lines, facts_)) return wrong("a payload is not the next one of this stream and group");
+    if (kPayloadHeaderSize + header.value().body_size != payloads[i].size()) return wrong("bytes follow a payload");
+    size += mcap::kMessageHead + payloads[i].size();
+  }
+  if (size > kMaxChunk) return wrong("it is longer than 192 MiB; close groups earlier");
+  if (!state_.order.follows(lines)) return wrong("it does not follow the group before");
+  return lines;
+}
+
+Result<void> Appender::append_group(std::span<const ByteView> payloads, std::uint64_t points, GroupCounts counts) {
+  SCANSION_TRY(usable());
+  SCANSION_TRY(lines, check(payloads));
+  if (lines.points != points)
+    return fail(Errc::usage, file_.path(), ": a group cannot be written: its line table counts other points than the caller");
+  block_.build_group(lines.group, lines.first_time_ns, payloads);
+  pieces_ = block_.pieces();
+  const bool with_copy = state_.totals.groups % kFactsEvery == 0;
+  if (with_copy) pieces_.emplace_back(copy_);
+  SCANSION_TRY(write(pieces_));
+
+  took_block(lines.first_time_ns, false);
+  if (with_copy) {
+    state_.copies.push_back(state_.size);
+    state_.size += copy_.size();
+    state_.data_crc = mcap::crc32(state_.data_crc, copy_);
+  }
+  state_.order.take(lines);
+  state_.totals.groups += 1;
+  state_.totals.lines += lines.line_count;
+  state_.totals.points += points;
+  state_.totals.runs += counts.runs;
+  state_.totals.invalid += counts.invalid;
+  return success();
+}
+
+Result<void> Appender::append_gap(const Gap& gap, std::uint64_t time) {
+  SCANSION_TRY(usable());
+  const std::string text = gap_text(gap);
+  if (text.size() > kMaxGapText)
+    return fail(Errc::usage, file_.path(), ": the reason of a gap is longer than 64 KiB; shorten it");
+  block_.build_gap(facts_, static_cast<std::uint32_t>(state_.totals.gaps), time, mcap::bytes_of(text));
+  SCANSION_TRY(write(block_.pieces()));
+  took_block(time, true);
+  state_.totals.gaps += 1;
+  return success();
+}
+
+void Appender::took_block(std::uint64_t time, bool gap) {
+  state_.chunks.push_back({state_.size, time, static_cast<std::uint32_t>(block_.chunk_size()), gap});
+  state_.size += block_.size();
+  state_.data_crc = mcap::crc32_joined(state_.data_crc, block_.crc(), block_.size());
+}
+
+Result<void> Appender::sync() {
+  SCANSION_TRY(file_.sync());
+  if (!directory_synced_) {
+    SCANSION_TRY(sync_directory_of(file_.path()));
+    directory_synced_ = true;
+  }
+  return success();
+}
+
+Result<void> Appender::finish(std::optional<std::int64_t> ended_ns, double rounding_mm) {
+  SCANSION_TRY(usable());
+  if (!std::isfinite(rounding_mm) || rounding_mm < 0)
+    return fail(Errc::usage, file_.path(), ": the rounding error at the end is no length; give a finite number of millimetres");
+  RecordingEnd end = state_.totals;
+  end.ended_ns = ended_ns;
+  end.rounding_mm = rounding_mm;
+
+  // The facts once more, far from the head; they belong to the tail until all of it stands.
+  std::vector<std::uint64_t> copies = state_.copies;
+  copies.push_back(state_.size);
+  TailFacts tail;
+  tail.facts = &facts_;
+  tail.chunks = &state_.chunks;
+  tail.copies = &copies;
+  tail.end = end;
+  tail.offset = state_.size + copy_.size();
+  tail.data_crc = mcap::crc32(state_.data_crc, copy_);
+
+  std::uint64_t at = state_.size;
+  const ByteSink sink = [&](ByteView bytes) -> Result<void> {
+    SCANSION_TRY(file_.write_at(at, std::span(&bytes, 1)));
+    at += bytes.size();
+    return success();
+  };
+  auto written = sink(copy_);
+  if (written) written = make_tail(tail, sink);
+  if (!written) return cut_back(std::move(written).error());
+  finished_ = true;
+  state_.size = at;
+  state_.copies = std::move(copies);
+  state_.totals = end;
+  return sync();
+}
+
+} // namespace scansion

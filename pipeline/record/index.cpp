@@ -1,0 +1,245 @@
+// The index of groups and gaps.
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/record/index.hpp"
+
+#include "pipeline/record/group_check.hpp"
+#include "pipeline/record/metadata.hpp"
+#include "pipeline/record/tail.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace scansion {
+namespace {
+
+/// One chunk's place, before its gap message or payload checksums have been looked at.
+struct Framed {
+  std::uint64_t offset = 0;
+  BlockStart start;
+};
+
+class Indexer {
+public:
+  Indexer(Window& window, const Head& head) : window_(window), facts_(head.facts), head_(head) {}
+
+  Result<RecordingIndex> through_summary(const Summary& summary);
+  Result<RecordingIndex> from_chunk_to_chunk();
+
+private:
+  Result<BlockStart> start_at(std::uint64_t offset);
+  Result<GroupEntry> group_at(const Framed& framed);
+  Result<void> places_from_indexes(const Framed& framed, GroupEntry& entry);
+  Result<void> places_from_messages(const Framed& framed, GroupEntry& entry);
+  Result<Gap> gap_at(const Framed& framed);
+  Result<std::optional<RecordingEnd>> end_at(std::uint64_t offset, std::uint64_t length);
+  Result<std::optional<std::uint64_t>> metadata_end(std::uint64_t offset);
+  Result<void> add(const Framed& framed);
+  Result<bool> intact(const Framed& framed);
+  Result<void> drop_torn(std::vector<Framed>& chunks);
+
+  /// Small reads go past the window: it would fetch a megabyte for each.
+  Result<ByteView> small(std::uint64_t offset, std::uint64_t count) {
+    if (offset >= window_.size()) return ByteView{};
+    buffer_.resize(std::min(count, window_.size() - offset));
+    SCANSION_TRY(window_.file().read_at(offset, buffer_));
+    return ByteView(buffer_);
+  }
+
+  Window& window_;
+  const RecordingFacts& facts_;
+  const Head& head_;
+  RecordingIndex index_;
+  Bytes buffer_;
+};
+
+Result<BlockStart> Indexer::start_at(std::uint64_t offset) {
+  SCANSION_TRY(bytes, small(offset, mcap::kFirstData));
+  return parse_block_start(bytes, window_.size() - offset, facts_);
+}
+
+Result<void> Indexer::places_from_indexes(const Framed& framed, GroupEntry& entry) {
+  const std::uint64_t records = framed.start.chunk_size - mcap::kChunkHead;
+  SCANSION_TRY(bytes, small(framed.offset + framed.start.chunk_size, framed.start.block_size - framed.start.chunk_size));
+  mcap::Cursor cursor(bytes);
+  std::vector<std::uint64_t> offsets(payloads_per_group(facts_) + 1, records);
+  for (std::uint32_t i = 0; i < payloads_per_group(facts_); ++i) {
+    const mcap::RecordHead head = mcap::record_head(cursor.take(mcap::kRecordHead));
+    const std::uint16_t channel = cursor.u16();
+    const std::uint32_t array = cursor.u32();
+    (void)cursor.u64();
+    offsets[i] = cursor.u64();
+    if (!mcap::is(head, mcap::Opcode::message_index) || channel != i + 1 || array != 16)
+      return fail(Errc::damaged, "message indexes are broken");
+  }
+  entry.payloads.clear();
+  for (std::size_t i = 0; i + 1 < offsets.size(); ++i) {
+    const bool fits = (i > 0 || offsets[i] == 0) && offsets[i + 1] <= records && offsets[i] <= offsets[i + 1] &&
+                      offsets[i + 1] - offsets[i] >= mcap::kMessageHead + kPayloadHeaderSize;
+    if (!fits) return fail(Errc::damaged, "message indexes are broken");
+    entry.payloads.push_back({framed.offset + mcap::kChunkHead + offsets[i] + mcap::kMessageHead,
+                              static_cast<std::uint32_t>(offsets[i + 1] - offsets[i] - mcap::kMessageHead)});
+  }
+  return success();
+}
+
+/// The slower way when the message indexes are broken: from message to message.
+Result<void> Indexer::places_from_messages(const Framed& framed, GroupEntry& entry) {
+  const std::uint64_t chunk_end = framed.offset + framed.start.chunk_size;
+  entry.payloads.clear();
+  std::uint64_t at = framed.offset + mcap::kChunkHead;
+  for (std::uint32_t i = 0; i < payloads_per_group(facts_); ++i) {
+    SCANSION_TRY(bytes, small(at, mcap::kMessageHead));
+    const mcap::RecordHead head = mcap::record_head(bytes);
+    const std::uint64_t left = chunk_end - at;
+    if (!mcap::is(head, mcap::Opcode::message) || left < mcap::kMessageHead || head.length > left - mcap::kRecordHead ||
+        head.length < mcap::kMessageHead - mcap::kRecordHead + kPayloadHeaderSize)
+      return fail(Errc::damaged, "the framing of a chunk is broken");
+    const std::uint64_t size = mcap::kRecordHead + head.length - mcap::kMessageHead;
+    entry.payloads.push_back({at + mcap::kMessageHead, static_cast<std::uint32_t>(size)});
+    at += mcap::kMessageHead + size;
+  }
+  if (at != chunk_end) return fail(Errc::damaged, "the framing of a chunk is broken");
+  return success();
+}
+
+Result<GroupEntry> Indexer::group_at(const Framed& framed) {
+  GroupEntry entry;
+  entry.number = framed.start.sequence;
+  entry.payloads.reserve(payloads_per_group(facts_));
+  auto placed = places_from_indexes(framed, entry);
+  if (!placed && placed.error().code == Errc::damaged) placed = places_from_messages(framed, entry);
+  if (!placed) return std::move(placed).error();
+  return entry;
+}
+
+Result<Gap> Indexer::gap_at(const Framed& framed) {
+  const std::uint64_t size = framed.start.chunk_size - mcap::kFirstData;
+  if (size > kMaxGapText) return fail(Errc::damaged, "gap message is longer than 64 KiB");
+  SCANSION_TRY(text, small(framed.offset + mcap::kFirstData, size));
+  return parse_gap(mcap::text_of(text));
+}
+
+Result<std::optional<RecordingEnd>> Indexer::end_at(std::uint64_t offset, std::uint64_t length) {
+  if (length <= mcap::kRecordHead || length > kMaxMetadata) return std::optional<RecordingEnd>{};
+  SCANSION_TRY(bytes, small(offset, length));
+  if (bytes.size() != length) return std::optional<RecordingEnd>{};
+  const mcap::RecordHead head = mcap::record_head(bytes);
+  if (!mcap::is(head, mcap::Opcode::metadata) || head.length + mcap::kRecordHead != length)
+    return std::optional<RecordingEnd>{};
+  const auto end = parse_end(bytes.subspan(mcap::kRecordHead));
+  if (!end) return std::optional<RecordingEnd>{};
+  return std::optional<RecordingEnd>(end.value());
+}
+
+Result<void> Indexer::add(const Framed& framed) {
+  const auto broken = [&](const Error& why) {
+    return fail(why.code, window_.file().path(), ": byte ", std::to_string(framed.offset), ": ", why.context,
+                "; use scansion recover");
+  };
+  if (framed.start.gap) {
+    auto gap = gap_at(framed);
+    if (!gap) return broken(gap.error());
+    index_.gaps.push_back(std::move(gap).value());
+    return success();
+  }
+  auto group = group_at(framed);
+  if (!group) return broken(group.error());
+  index_.groups.push_back(std::move(group).value());
+  return success();
+}
+
+Result<RecordingIndex> Indexer::through_summary(const Summary& summary) {
+  SCANSION_TRY(end, end_at(summary.end_offset, summary.end_length));
+  if (!end) return fail(Errc::damaged, "the end metadata is broken");
+  index_.complete = true;
+  index_.end = end;
+  for (const std::uint64_t offset : summary.chunks) {
+    const auto start = start_at(offset);
+    if (!start)
+      return fail(start.error().code, window_.file().path(), ": byte ", std::to_string(offset), ": ", start.error().context,
+                  "; use scansion recover");
+    SCANSION_TRY(add({offset, start.value()}));
+  }
+  return std::move(index_);
+}
+
+/// Where the Metadata record at `offset` ends; the end metadata stays in the index. Empty when there is no such record.
+Result<std::optional<std::uint64_t>> Indexer::metadata_end(std::uint64_t offset) {
+  SCANSION_TRY(bytes, small(offset, mcap::kRecordHead));
+  const mcap::RecordHead head = mcap::record_head(bytes);
+  if (!mcap::is(head, mcap::Opcode::metadata) || head.length > kMaxMetadata) return std::optional<std::uint64_t>{};
+  const std::uint64_t length = mcap::kRecordHead + head.length;
+  if (length > window_.size() - offset) return std::optional<std::uint64_t>{};
+  SCANSION_TRY(end, end_at(offset, length));
+  if (end) index_.end = end;
+  return std::optional<std::uint64_t>(offset + length);
+}
+
+/// Whether every checksum of a chunk is right and its framing is that of its payloads.
+Result<bool> Indexer::intact(const Framed& framed) {
+  SCANSION_TRY(block, window_.view(framed.offset, framed.start.block_size));
+  if (block.size() != framed.start.block_size) return false;
+  std::vector<ByteView> messages;
+  const std::size_t count = framed.start.gap ? 1 : payloads_per_group(facts_);
+  if (!split_chunk(block.first(framed.start.chunk_size), count, messages)) return false;
+  if (framed.start.gap && !parse_gap(mcap::text_of(messages.front()))) return false;
+  if (!framed.start.gap && !check_group(messages, facts_)) return false;
+  Block expected;
+  if (framed.start.gap)
+    expected.build_gap(facts_, framed.start.sequence, framed.start.time, messages.front());
+  else
+    expected.build_group(framed.start.sequence, framed.start.time, messages);
+  return expected.crc() == mcap::crc32(0, block);
+}
+
+/// After a power cut the last chunks may have their length and not their bytes.
+Result<void> Indexer::drop_torn(std::vector<Framed>& chunks) {
+  while (!chunks.empty()) {
+    SCANSION_TRY(good, intact(chunks.back()));
+    if (good) break;
+    chunks.pop_back();
+  }
+  return success();
+}
+
+Result<RecordingIndex> Indexer::from_chunk_to_chunk() {
+  std::vector<Framed> chunks;
+  for (std::uint64_t at = head_.size; at < window_.size() && !index_.end;) {
+    const auto start = start_at(at);
+    if (start) {
+      chunks.push_back({at, start.value()});
+      at += start.value().block_size;
+      continue;
+    }
+    if (start.error().code != Errc::damaged) return start.error();
+    SCANSION_TRY(next, metadata_end(at));
+    if (!next) break;
+    at = *next;
+  }
+  if (!index_.end) {
+    SCANSION_TRY(drop_torn(chunks));
+  }
+  index_.end.reset(); // an unfinished recording has no end yet, whatever was being written
+  for (const Framed& framed : chunks) {
+    SCANSION_TRY(add(framed));
+  }
+  return std::move(index_);
+}
+
+} // namespace
+
+Result<RecordingIndex> build_index(Window& window, const Head& head) {
+  const auto summary = read_summary(window);
+  if (!summary && summary.error().code != Errc::damaged) return summary.error();
+  if (summary) {
+    auto index = Indexer(window, head).through_summary(summary.value());
+    if (index || index.error().code != Errc::damaged) return index;
+    // A summary whose checksum is right with chunks that are not: only the walk below tells how far the file is good.
+    auto walked = Indexer(window, head).from_chunk_to_chunk();
+    if (walked && walked.value().groups.size() + walked.value().gaps.size() == summary.value().chunks.size()) return walked;
+    return index;
+  }
+  return Indexer(window, head).from_chunk_to_chunk();
+}
+
+} // namespace scansion

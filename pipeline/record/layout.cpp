@@ -1,0 +1,208 @@
+// Head, chunks and message indexes.
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/record/layout.hpp"
+
+#include "pipeline/codec/endian.hpp"
+#include "pipeline/record/metadata.hpp"
+
+#include <nlohmann/json.hpp>
+
+namespace scansion {
+namespace {
+
+using mcap::Builder;
+using mcap::Opcode;
+
+constexpr std::uint64_t kMessageFields = mcap::kMessageHead - mcap::kRecordHead;
+constexpr std::uint64_t kChunkFields = mcap::kChunkHead - mcap::kRecordHead;
+constexpr std::size_t kCrcInChunk = 33;
+
+enum SchemaId : std::uint16_t { kLinesSchema = 1, kLevelSchema = 2, kGapSchema = 3 };
+
+constexpr std::string_view kGapJsonSchema =
+    R"({"title":"scansion.Gap","type":"object","properties":{"first":{"type":"integer","minimum":0},)"
+    R"("count":{"type":["integer","null"],"minimum":1},"reason":{"type":"string"}},"required":["first","count","reason"]})";
+
+void schema(Builder& b, std::uint16_t id, std::string_view name, std::string_view encoding, std::string_view data) {
+  const std::size_t begun = b.begin(Opcode::schema);
+  b.u16(id);
+  b.string(name);
+  b.string(encoding);
+  b.string(data);
+  b.end(begun);
+}
+
+void channel(Builder& b, std::uint16_t id, std::uint16_t schema_id, std::string_view topic, std::string_view encoding) {
+  const std::size_t begun = b.begin(Opcode::channel);
+  b.u16(id);
+  b.u16(schema_id);
+  b.string(topic);
+  b.string(encoding);
+  b.entries({});
+  b.end(begun);
+}
+
+void message_head(Builder& b, std::uint16_t channel_id, std::uint32_t sequence, std::uint64_t time, std::uint64_t size) {
+  b.begin_sized(Opcode::message, kMessageFields + size);
+  b.u16(channel_id);
+  b.u32(sequence);
+  b.u64(time);
+  b.u64(time);
+}
+
+void message_index(Builder& b, std::uint16_t channel_id, std::uint64_t time, std::uint64_t offset_in_chunk) {
+  b.begin_sized(Opcode::message_index, mcap::kMessageIndex - mcap::kRecordHead);
+  b.u16(channel_id);
+  b.u32(16); // bytes of the array: one pair
+  b.u64(time);
+  b.u64(offset_in_chunk);
+}
+
+} // namespace
+
+Bytes schema_records() {
+  Bytes bytes;
+  Builder b(bytes);
+  schema(b, kLinesSchema, "scansion.Lines", "scansion", "Line table of a group of scan lines; see docs/FORMAT.md of Scansion.");
+  schema(b, kLevelSchema, "scansion.Level", "scansion", "Points of one level of detail; see docs/FORMAT.md of Scansion.");
+  schema(b, kGapSchema, "scansion.Gap", "jsonschema", kGapJsonSchema);
+  return bytes;
+}
+
+Bytes channel_records(const RecordingFacts& facts) {
+  const std::string stem = "scan/" + facts.device + "/";
+  Bytes bytes;
+  Builder b(bytes);
+  channel(b, 1, kLinesSchema, stem + "lines", "scansion");
+  for (std::uint32_t k = 0; k < facts.stored_levels; ++k) {
+    const std::string name = k < facts.level_count ? "lod" + std::to_string(k) : "rest";
+    channel(b, static_cast<std::uint16_t>(k + 2), kLevelSchema, stem + name, "scansion");
+  }
+  channel(b, gap_channel(facts), kGapSchema, stem + "gaps", "json");
+  return bytes;
+}
+
+Bytes head_bytes(const RecordingFacts& facts) {
+  Bytes bytes;
+  Builder b(bytes);
+  b.raw(mcap::kMagic);
+  const std::size_t begun = b.begin(Opcode::header);
+  b.string("scansion");
+  b.string("scansion 1");
+  b.end(begun);
+  for (const Bytes& part : {schema_records(), channel_records(facts), facts_record(facts)})
+    bytes.insert(bytes.end(), part.begin(), part.end());
+  return bytes;
+}
+
+std::string gap_text(const Gap& gap) {
+  const nlohmann::json reason(gap.reason);
+  return R"({"first":)" + std::to_string(gap.first) + R"(,"count":)" + (gap.count ? std::to_string(*gap.count) : "null") +
+         R"(,"reason":)" + reason.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "}";
+}
+
+Result<Gap> parse_gap(std::string_view text) {
+  if (text.size() > kMaxGapText) return fail(Errc::damaged, "gap message is longer than 64 KiB");
+  const nlohmann::json j = nlohmann::json::parse(text, nullptr, false);
+  if (!j.is_object()) return fail(Errc::damaged, "gap message is no JSON object");
+  const auto first = j.find("first");
+  const auto count = j.find("count");
+  const auto reason = j.find("reason");
+  if (first == j.end() || !first->is_number_unsigned() || count == j.end() || reason == j.end() || !reason->is_string() ||
+      !(count->is_null() || count->is_number_unsigned()))
+    return fail(Errc::damaged, "gap message lacks first, count or reason");
+  Gap gap;
+  gap.first = first->get<std::uint64_t>();
+  if (!count->is_null()) gap.count = count->get<std::uint64_t>();
+  gap.reason = reason->get<std::string>();
+  return gap;
+}
+
+void Block::build_group(std::uint32_t number, std::uint64_t time, std::span<const ByteView> payloads) {
+  build(1, number, time, payloads);
+}
+
+void Block::build_gap(const RecordingFacts& facts, std::uint32_t sequence, std::uint64_t time, ByteView text) {
+  build(gap_channel(facts), sequence, time, std::span(&text, 1));
+}
+
+void Block::build(std::uint16_t first_channel, std::uint32_t sequence, std::uint64_t time, std::span<const ByteView> messages) {
+  std::uint64_t records = 0;
+  for (const ByteView m : messages) records += mcap::kMessageHead + m.size();
+  index_size_ = mcap::kMessageIndex * messages.size();
+  chunk_size_ = mcap::kChunkHead + records;
+
+  frame_.clear();
+  frame_.reserve(mcap::kChunkHead + mcap::kMessageHead * messages.size() + index_size_); // pieces point into it
+  pieces_.clear();
+  Builder b(frame_);
+  b.begin_sized(Opcode::chunk, kChunkFields + records);
+  b.u64(time);
+  b.u64(time);
+  b.u64(records);
+  b.u32(0); // CRC, below
+  b.string("");
+  b.u64(records);
+
+  std::uint32_t records_crc = 0;
+  std::size_t piece_begin = 0;
+  for (std::size_t i = 0; i < messages.size(); ++i) {
+    const std::size_t head_at = frame_.size();
+    message_head(b, static_cast<std::uint16_t>(first_channel + i), sequence, time, messages[i].size());
+    records_crc = mcap::crc32(mcap::crc32(records_crc, ByteView(frame_).subspan(head_at)), messages[i]);
+    pieces_.push_back(ByteView(frame_).subspan(piece_begin));
+    pieces_.push_back(messages[i]);
+    piece_begin = frame_.size();
+  }
+  store_le(frame_.data() + kCrcInChunk, records_crc);
+  std::uint64_t offset = 0;
+  for (std::size_t i = 0; i < messages.size(); ++i) {
+    message_index(b, static_cast<std::uint16_t>(first_channel + i), time, offset);
+    offset += mcap::kMessageHead + messages[i].size();
+  }
+  pieces_.push_back(ByteView(frame_).subspan(piece_begin));
+
+  // Payloads are passed over once: the CRC of the file continues from that of the chunk.
+  crc_ = mcap::crc32(0, ByteView(frame_).first(mcap::kChunkHead));
+  crc_ = mcap::crc32_joined(crc_, records_crc, records);
+  crc_ = mcap::crc32(crc_, pieces_.back());
+}
+
+Result<BlockStart> parse_block_start(ByteView bytes, std::uint64_t available, const RecordingFacts& facts) {
+  const mcap::RecordHead head = mcap::record_head(bytes);
+  if (head.opcode == 0) return fail(Errc::damaged, "cut inside the framing of a record");
+  if (!mcap::is(head, Opcode::chunk)) return fail(Errc::damaged, "no record of a recording starts here");
+  if (head.length > kMaxChunk - mcap::kRecordHead) return fail(Errc::damaged, "chunk claims more than 192 MiB");
+  BlockStart start;
+  start.chunk_size = head.length + mcap::kRecordHead;
+  if (start.chunk_size > available) return fail(Errc::damaged, "chunk is cut short");
+  if (start.chunk_size < mcap::kFirstData) return fail(Errc::damaged, "chunk is too short for a message");
+  mcap::Cursor cursor(bytes.first(mcap::kFirstData));
+  (void)cursor.take(mcap::kChunkHead + mcap::kRecordHead);
+  const std::uint16_t channel_id = cursor.u16();
+  start.sequence = cursor.u32();
+  start.time = cursor.u64();
+  start.gap = channel_id == gap_channel(facts);
+  if (!start.gap && channel_id != 1) return fail(Errc::damaged, "chunk starts with a message of an unexpected channel");
+  start.block_size = start.chunk_size + mcap::kMessageIndex * (start.gap ? 1U : payloads_per_group(facts));
+  if (start.block_size > available) return fail(Errc::damaged, "message indexes of the chunk are cut short");
+  return start;
+}
+
+Result<void> split_chunk(ByteView chunk, std::size_t messages, std::vector<ByteView>& out) {
+  out.clear();
+  mcap::Cursor cursor(chunk);
+  (void)cursor.take(mcap::kChunkHead);
+  for (std::size_t i = 0; i < messages; ++i) {
+    const mcap::RecordHead head = mcap::record_head(cursor.take(mcap::kRecordHead));
+    (void)cursor.take(kMessageFields);
+    if (!mcap::is(head, Opcode::message) || head.length < kMessageFields)
+      return fail(Errc::damaged, "chunk does not hold the messages of a group");
+    out.push_back(cursor.take(head.length - kMessageFields));
+    if (!cursor.ok()) return fail(Errc::damaged, "message reaches beyond its chunk");
+  }
+  if (!cursor.at_end()) return fail(Errc::damaged, "chunk holds more than the messages of a group");
+  return success();
+}
+
+} // namespace scansion

@@ -1,0 +1,87 @@
+// How a recording's records are laid out: the head, and the block (chunk and message indexes) of one group or gap.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "pipeline/model/scan_line.hpp"
+#include "pipeline/record/mcap.hpp"
+#include "pipeline/record/recording.hpp"
+
+namespace scansion {
+
+/// The longest chunk record that is written or read. The longest line (kMaxLinePoints) with IEEE residuals needs about 150 MiB.
+inline constexpr std::uint64_t kMaxChunk = 192U << 20U;
+/// The longest text of a gap message.
+inline constexpr std::uint64_t kMaxGapText = 64U << 10U;
+/// The facts are repeated behind the first group and behind every so many more, so that they outlive a broken head.
+inline constexpr std::uint64_t kFactsEvery = 256;
+
+[[nodiscard]] inline std::uint32_t payloads_per_group(const RecordingFacts& f) noexcept {
+  return f.stored_levels + 1;
+}
+/// Payload i of a group stands on channel i + 1.
+[[nodiscard]] inline std::uint16_t gap_channel(const RecordingFacts& f) noexcept {
+  return static_cast<std::uint16_t>(f.level_count + 3);
+}
+
+/// Schemas and channels, each a run of whole records.
+[[nodiscard]] Bytes schema_records();
+[[nodiscard]] Bytes channel_records(const RecordingFacts& facts);
+inline constexpr std::uint16_t kSchemaCount = 3;
+[[nodiscard]] inline std::uint32_t channel_count(const RecordingFacts& f) noexcept {
+  return payloads_per_group(f) + 1;
+}
+
+/// Everything before the first chunk, magic included.
+[[nodiscard]] Bytes head_bytes(const RecordingFacts& facts);
+
+/// {"first":1,"count":2,"reason":"..."}
+[[nodiscard]] std::string gap_text(const Gap& gap);
+[[nodiscard]] Result<Gap> parse_gap(std::string_view text);
+
+/// What a summary says of one chunk; everything else in its ChunkIndex follows from it.
+struct ChunkEntry {
+  std::uint64_t offset = 0; ///< of the chunk record in the file
+  std::uint64_t time = 0;   ///< log time of its messages
+  std::uint32_t size = 0;   ///< of the chunk record, framing included
+  bool gap = false;
+};
+[[nodiscard]] inline std::uint32_t messages_in(const ChunkEntry& entry, const RecordingFacts& f) noexcept {
+  return entry.gap ? 1 : payloads_per_group(f);
+}
+
+/// The records of one group or gap, as pieces that stand one after the other in the file. The pieces of payloads are the
+/// caller's.
+class Block {
+public:
+  void build_group(std::uint32_t number, std::uint64_t time, std::span<const ByteView> payloads);
+  void build_gap(const RecordingFacts& facts, std::uint32_t sequence, std::uint64_t time, ByteView text);
+
+  [[nodiscard]] const std::vector<ByteView>& pieces() const noexcept { return pieces_; }
+  [[nodiscard]] std::uint64_t size() const noexcept { return chunk_size_ + index_size_; }
+  [[nodiscard]] std::uint64_t chunk_size() const noexcept { return chunk_size_; }
+  [[nodiscard]] std::uint32_t crc() const noexcept { return crc_; } ///< CRC-32 of all pieces
+
+private:
+  void build(std::uint16_t first_channel, std::uint32_t sequence, std::uint64_t time, std::span<const ByteView> messages);
+  Bytes frame_;
+  std::vector<ByteView> pieces_;
+  std::uint64_t chunk_size_ = 0;
+  std::uint64_t index_size_ = 0;
+  std::uint32_t crc_ = 0;
+};
+
+/// What the first kFirstData bytes of a chunk say. Nothing of it is certain before the block has been compared.
+struct BlockStart {
+  bool gap = false;
+  std::uint32_t sequence = 0;
+  std::uint64_t time = 0;
+  std::uint64_t chunk_size = 0;
+  std::uint64_t block_size = 0; ///< chunk and message indexes
+};
+/// Fails with damaged when no block of this recording can start so, or it would be longer than `available` or kMaxChunk.
+[[nodiscard]] Result<BlockStart> parse_block_start(ByteView bytes, std::uint64_t available, const RecordingFacts& facts);
+
+/// The message data in a chunk record, in order; fails with damaged when they do not fill it.
+[[nodiscard]] Result<void> split_chunk(ByteView chunk, std::size_t messages, std::vector<ByteView>& out);
+
+} // namespace scansion

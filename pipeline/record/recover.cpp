@@ -1,0 +1,150 @@
+// Recover: what can still be read of a broken recording, as a new one that is sound.
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/record/find_facts.hpp"
+#include "pipeline/record/line_ranges.hpp"
+#include "pipeline/record/metadata.hpp"
+#include "pipeline/record/new_recording.hpp"
+#include "pipeline/record/repair_steps.hpp"
+#include "pipeline/record/tail.hpp"
+#include "pipeline/record/walk.hpp"
+
+#include <algorithm>
+
+namespace scansion {
+namespace {
+
+constexpr std::string_view kLostReason = "lost in a damaged recording";
+
+class Recoverer final : public WalkVisitor {
+public:
+  Recoverer(Window& window, NewRecording& output, const GroupInspector& inspect)
+      : window_(window), output_(output.appender()), facts_(output_.facts()), inspect_(inspect) {}
+
+  Result<RecoverReport> run() {
+    SCANSION_TRY(from, begin());
+    SCANSION_TRY(end, walk(window_, facts_, from, *this));
+    for (const Hole& hole : unexplained(holes_, std::move(gaps_))) {
+      const auto [first, last] = hole.lines;
+      SCANSION_TRY(output_.append_gap({first, last - first + 1, std::string(kLostReason)}, hole.time));
+      report_.lost.push_back(hole.lines);
+    }
+    SCANSION_TRY(look_at_tail(end));
+    const auto ended = end.end ? end.end->ended_ns : std::nullopt;
+    SCANSION_TRY(output_.finish(ended, end.end ? end.end->rounding_mm : facts_.rounding_mm));
+    const RecordingEnd& totals = output_.state().totals;
+    report_.groups = totals.groups;
+    report_.lines = totals.lines;
+    report_.points = totals.points;
+    return std::move(report_);
+  }
+
+  Result<void> on_group(const FoundGroup& group) override;
+  Result<void> on_gap(const Gap& gap, const ChunkEntry& entry) override;
+  Result<void> on_damage(const Damage& damage) override;
+
+private:
+  Result<std::uint64_t> begin();
+  Result<void> look_at_tail(const WalkEnd& end);
+  void skip(std::uint64_t bytes) {
+    report_.bytes_skipped += bytes;
+    skipped_before_ = true;
+  }
+
+  Window& window_;
+  Appender& output_;
+  const RecordingFacts& facts_;
+  const GroupInspector& inspect_;
+  RecoverReport report_;
+  std::vector<Hole> holes_;
+  std::vector<Gap> gaps_;             ///< without their reasons
+  bool skipped_before_ = false;       ///< something was skipped before the first group
+  std::optional<Damage> last_damage_; ///< when it reaches the end of the file
+};
+
+/// Behind the head when the file has the one its facts ask for, else 0.
+Result<std::uint64_t> Recoverer::begin() {
+  const Bytes head = head_bytes(facts_);
+  SCANSION_TRY(actual, window_.view(0, head.size()));
+  return std::ranges::equal(head, actual) ? std::uint64_t{head.size()} : std::uint64_t{0};
+}
+
+Result<void> Recoverer::on_group(const FoundGroup& group) {
+  std::uint64_t size = 0;
+  for (const ByteView payload : group.payloads) size += payload.size();
+  const GroupOrder& order = output_.state().order;
+  const auto counts = order.follows(group.lines) ? inspect_(group.payloads) : fail(Errc::damaged, "out of order");
+  if (!counts) {
+    skip(size);
+    return success();
+  }
+  if (group.lines.first_line > order.next_line() && (order.any() || skipped_before_))
+    holes_.push_back({{order.next_line(), group.lines.first_line - 1}, group.lines.first_time_ns});
+  return output_.append_group(group.payloads, group.lines.points, counts.value());
+}
+
+Result<void> Recoverer::on_gap(const Gap& gap, const ChunkEntry& entry) {
+  gaps_.push_back({gap.first, gap.count, {}});
+  return output_.append_gap(gap, entry.time);
+}
+
+Result<void> Recoverer::on_damage(const Damage& damage) {
+  skip(damage.to - damage.from - damage.grouped);
+  if (damage.to == window_.size()) last_damage_ = damage;
+  return success();
+}
+
+/// Whether the broken bytes at the end of the file, if there are any, belonged to a group.
+Result<void> Recoverer::look_at_tail(const WalkEnd& end) {
+  if (end.end || !last_damage_) return success();
+  const std::uint64_t from = last_damage_->last_group_end;
+  const auto summary = read_summary(window_);
+  if (summary) { // it lists every chunk there was
+    const auto& chunks = summary.value().chunks;
+    report_.tail_lost = !chunks.empty() && chunks.back() >= from;
+    return success();
+  }
+  if (summary.error().code != Errc::damaged) return summary.error();
+  const std::uint64_t left = window_.size() - from;
+  if (last_damage_->grouped > 0) { // the group came back; what is left may be no more than its message indexes and facts
+    report_.tail_lost = left > mcap::kMessageIndex * payloads_per_group(facts_) + facts_record(facts_).size();
+    return success();
+  }
+  SCANSION_TRY(first, window_.view(from, 1));
+  const bool metadata = !first.empty() && first.front() == static_cast<std::byte>(mcap::Opcode::metadata);
+  report_.tail_lost = left > 0 && !(metadata && left <= kMaxMetadata);
+  return success();
+}
+
+/// A report of what was written, once the written recording has been read back and found sound.
+Result<void> prove(const std::string& path, const RecoverReport& report, const GroupInspector& inspect) {
+  SCANSION_TRY(verified, verify_with(path, inspect));
+  if (verified.sound && verified.groups == report.groups && verified.lines == report.lines) return success();
+  const std::string what =
+      verified.findings.empty() ? "other groups came back than were written" : verified.findings.front().what;
+  return fail(Errc::damaged, path, ": the recovered recording is not sound (", what,
+              "); it was removed: check the disk, then try again");
+}
+
+} // namespace
+
+Result<RecoverReport> recover_with(const std::string& input, const std::string& output, const GroupInspector& inspect) {
+  SCANSION_TRY(file, File::open_read(input));
+  SCANSION_TRY(size, file.size());
+  Window window(file, size);
+  auto facts = find_facts(window);
+  if (!facts) {
+    Error error = std::move(facts).error();
+    if (error.code == Errc::damaged)
+      error.context = input +
+                      ": the facts of the recording (units, lattice) are lost: the head is broken and no copy of them was "
+                      "found; without them points cannot be read";
+    return error;
+  }
+  SCANSION_TRY(recording, NewRecording::create(output, facts.value()));
+  SCANSION_TRY(report, Recoverer(window, recording, inspect).run());
+  SCANSION_TRY(prove(recording.temporary(), report, inspect));
+  SCANSION_TRY(recording.commit());
+  return std::move(report);
+}
+
+} // namespace scansion

@@ -1,0 +1,209 @@
+// Walking the data section.
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/record/walk.hpp"
+
+#include "pipeline/record/metadata.hpp"
+#include "pipeline/record/salvage.hpp"
+
+#include <algorithm>
+
+namespace scansion {
+namespace {
+
+using namespace std::string_view_literals;
+
+/// What can start behind a broken stretch. The first data of a chunk is a payload's mark or a gap's text, at a fixed distance
+/// from the chunk's first byte; the name of a Metadata record stands behind its framing.
+constexpr std::string_view kMarkPattern{"\x89SCNGRP\n", 8};
+constexpr std::array kRestarts{kMarkPattern, R"({"first":)"sv, "\x08\0\0\0scansion"sv, "\x0c\0\0\0scansion.end"sv};
+constexpr std::array<std::uint64_t, kRestarts.size()> kStartBefore{mcap::kFirstData, mcap::kFirstData, mcap::kRecordHead,
+                                                                   mcap::kRecordHead};
+
+enum class What : std::uint8_t { group, gap, copy, end, nothing };
+
+/// What stands at one offset. Views live until the next look.
+struct Item {
+  What what = What::nothing;
+  std::uint64_t size = 0;
+  ChunkEntry entry;
+  std::uint32_t crc = 0; ///< of the block
+  PayloadHeader lines;
+  Gap gap;
+  RecordingEnd end;
+  ByteView copy;
+  std::uint64_t wrong_at = 0; ///< nothing: where
+  std::string why;            ///< nothing: why
+};
+
+class Walker {
+public:
+  Walker(Window& window, const RecordingFacts& facts, WalkVisitor& visitor)
+      : window_(window), facts_(facts), visitor_(visitor), copy_(facts_record(facts)), budget_(window.size()),
+        restarts_(window, kRestarts) {}
+
+  Result<WalkEnd> run(std::uint64_t from) {
+    std::uint64_t at = from;
+    while (at < window_.size()) {
+      SCANSION_TRY(item, look(at));
+      if (item.what == What::end) return WalkEnd{at, item.end};
+      if (item.what == What::nothing) {
+        SCANSION_TRY(next, broken(at, item));
+        at = next;
+      } else {
+        SCANSION_TRY(tell(at, item));
+        at += item.size;
+      }
+    }
+    return WalkEnd{window_.size(), std::nullopt};
+  }
+
+private:
+  Result<Item> look(std::uint64_t at);
+  Result<Item> look_at_block(std::uint64_t at);
+  Result<Item> look_at_metadata(std::uint64_t at, const mcap::RecordHead& head);
+  Result<void> tell(std::uint64_t at, const Item& item);
+  Result<std::uint64_t> broken(std::uint64_t at, const Item& item);
+  Result<std::uint64_t> next_start(std::uint64_t after);
+  std::optional<std::uint64_t> first_difference(ByteView block) const;
+
+  static Item nothing(std::uint64_t wrong_at, std::string why) {
+    Item item;
+    item.wrong_at = wrong_at;
+    item.why = std::move(why);
+    return item;
+  }
+
+  Window& window_;
+  const RecordingFacts& facts_;
+  WalkVisitor& visitor_;
+  Bytes copy_;
+  WorkBudget budget_;
+  PatternFinder restarts_;
+  Block block_;
+  std::vector<ByteView> payloads_;
+};
+
+Result<Item> Walker::look(std::uint64_t at) {
+  SCANSION_TRY(start, window_.view(at, mcap::kRecordHead));
+  const mcap::RecordHead head = mcap::record_head(start);
+  if (mcap::is(head, mcap::Opcode::metadata)) return look_at_metadata(at, head);
+  return look_at_block(at);
+}
+
+Result<Item> Walker::look_at_metadata(std::uint64_t at, const mcap::RecordHead& head) {
+  if (head.length > kMaxMetadata) return nothing(at, "metadata record claims more than 64 KiB");
+  SCANSION_TRY(record, window_.view(at, mcap::kRecordHead + head.length));
+  if (record.size() < mcap::kRecordHead + head.length) return nothing(at, "metadata record is cut short");
+  Item item;
+  item.size = record.size();
+  if (std::ranges::equal(record, copy_)) {
+    item.what = What::copy;
+    item.copy = record;
+    return item;
+  }
+  const auto end = parse_end(record.subspan(mcap::kRecordHead));
+  if (!end) return nothing(at, "metadata record is broken: neither the facts of this recording nor its end");
+  item.what = What::end;
+  item.end = end.value();
+  return item;
+}
+
+std::optional<std::uint64_t> Walker::first_difference(ByteView block) const {
+  std::uint64_t at = 0;
+  for (const ByteView piece : block_.pieces()) {
+    const ByteView theirs = block.subspan(at, piece.size());
+    if (piece.data() != theirs.data() && !std::ranges::equal(piece, theirs)) {
+      const auto differ = std::ranges::mismatch(piece, theirs);
+      return at + static_cast<std::uint64_t>(differ.in1 - piece.begin());
+    }
+    at += piece.size();
+  }
+  return std::nullopt;
+}
+
+Result<Item> Walker::look_at_block(std::uint64_t at) {
+  SCANSION_TRY(head, window_.view(at, mcap::kFirstData));
+  const auto start = parse_block_start(head, window_.size() - at, facts_);
+  if (!start) return nothing(at, start.error().context);
+  const BlockStart& s = start.value();
+  SCANSION_TRY(budget_.spend(s.block_size, window_.file()));
+  SCANSION_TRY(block, window_.view(at, s.block_size));
+  const auto split = split_chunk(block.first(s.chunk_size), s.gap ? 1 : payloads_per_group(facts_), payloads_);
+  if (!split) return nothing(at, split.error().context);
+
+  Item item;
+  item.size = s.block_size;
+  item.entry = {at, s.time, static_cast<std::uint32_t>(s.chunk_size), s.gap};
+  if (s.gap) {
+    auto gap = parse_gap(mcap::text_of(payloads_.front()));
+    if (!gap) return nothing(at + mcap::kFirstData, gap.error().context);
+    item.what = What::gap;
+    item.gap = std::move(gap).value();
+    block_.build_gap(facts_, s.sequence, s.time, payloads_.front());
+    if (gap_text(item.gap) != mcap::text_of(payloads_.front()))
+      return nothing(at + mcap::kFirstData, "gap message is not as written");
+  } else {
+    const auto lines = check_group(payloads_, facts_);
+    if (!lines) return nothing(at, lines.error().context);
+    item.what = What::group;
+    item.lines = lines.value();
+    block_.build_group(item.lines.group, item.lines.first_time_ns, payloads_);
+  }
+  if (const auto differs = first_difference(block))
+    return nothing(at + *differs, "framing or checksum of a chunk is not what its payloads ask for");
+  item.crc = block_.crc();
+  return item;
+}
+
+Result<void> Walker::tell(std::uint64_t at, const Item& item) {
+  if (item.what == What::copy) {
+    visitor_.on_copy(at, item.copy);
+    return success();
+  }
+  if (item.what == What::group) {
+    SCANSION_TRY(visitor_.on_group({item.lines, payloads_, at, true}));
+  }
+  if (item.what == What::gap) {
+    SCANSION_TRY(visitor_.on_gap(item.gap, item.entry));
+  }
+  visitor_.on_block(item.entry, item.size, item.crc);
+  return success();
+}
+
+/// The first offset behind `after` where something intact starts; the size of the file when nothing does.
+Result<std::uint64_t> Walker::next_start(std::uint64_t after) {
+  for (std::uint64_t at = after; at < window_.size();) {
+    SCANSION_TRY(hit, restarts_.find(at, window_.size()));
+    if (!hit) break;
+    at = hit->offset + 1;
+    const std::uint64_t before = kStartBefore[hit->pattern];
+    if (hit->offset < before || hit->offset - before <= after) continue;
+    const std::uint64_t start = hit->offset - before;
+    SCANSION_TRY(item, look(start));
+    if (item.what != What::nothing) return start;
+  }
+  return window_.size();
+}
+
+Result<std::uint64_t> Walker::broken(std::uint64_t at, const Item& item) {
+  WalkVisitor::Damage damage;
+  damage.from = at;
+  damage.at = item.wrong_at;
+  damage.what = item.why;
+  SCANSION_TRY(next, next_start(at));
+  damage.to = next;
+  SCANSION_TRY(salvaged, salvage_groups(window_, facts_, at, next, budget_,
+                                        [this](const FoundGroup& group) { return visitor_.on_group(group); }));
+  damage.grouped = salvaged.grouped;
+  damage.last_group_end = salvaged.last_end;
+  SCANSION_TRY(visitor_.on_damage(damage));
+  return next;
+}
+
+} // namespace
+
+Result<WalkEnd> walk(Window& window, const RecordingFacts& facts, std::uint64_t from, WalkVisitor& visitor) {
+  return Walker(window, facts, visitor).run(from);
+}
+
+} // namespace scansion
