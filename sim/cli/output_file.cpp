@@ -18,11 +18,10 @@ Error cannot_create(const std::string& path, int reason) {
   return error;
 }
 
-Result<int> open_for_writing(const std::string& path, int flags) {
+int open_for_writing(const std::string& path, int flags) noexcept {
   int fd = -1;
   do fd = ::open(path.c_str(), O_WRONLY | O_CLOEXEC | flags, 0666); // NOLINT(cppcoreguidelines-pro-type-vararg)
   while (fd < 0 && errno == EINTR);
-  if (fd < 0) return cannot_create(path, errno);
   return fd;
 }
 
@@ -34,13 +33,21 @@ Result<OutputFile> OutputFile::create(const std::string& path, bool force) {
   if (::stat(path.c_str(), &info) == 0) {
     if (S_ISDIR(info.st_mode)) return cannot_create(path, EISDIR);
     if (!S_ISREG(info.st_mode)) { // renaming over a pipe or device would replace it
-      SCANSION_TRY(fd, open_for_writing(path, 0));
+      const int fd = open_for_writing(path, 0);
+      if (fd < 0) return cannot_create(path, errno);
       return OutputFile(fd, path, {}, force);
     }
     if (!force) return cannot_create(path, EEXIST);
   }
-  std::string temporary = path + ".tmp" + std::to_string(::getpid());
-  SCANSION_TRY(fd, open_for_writing(temporary, O_CREAT | O_EXCL));
+  // A killed process of the same number may have left its file: take another name then.
+  const std::string stem = path + ".tmp" + std::to_string(::getpid());
+  std::string temporary = stem;
+  int fd = open_for_writing(temporary, O_CREAT | O_EXCL);
+  for (int k = 1; k < 100 && fd < 0 && errno == EEXIST; ++k) {
+    temporary = stem + "-" + std::to_string(k);
+    fd = open_for_writing(temporary, O_CREAT | O_EXCL);
+  }
+  if (fd < 0) return cannot_create(path, errno);
   return OutputFile(fd, path, std::move(temporary), force);
 }
 

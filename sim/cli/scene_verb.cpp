@@ -29,7 +29,9 @@ CLI::App* add_options(CLI::App& app, SceneRequest& request) {
   command->add_option("--spacing", plan.spacing_mm, "mm from line to line");
   command->add_option("--direction", plan.direction_deg, "degrees, direction of the lines in plan");
   command->add_option("--tilt", plan.tilt_deg, "degrees, lean of the scan plane, -45 to 45");
-  command->add_option("--seed", plan.seed, "seed of everything random (default 1)");
+  command->add_option("--seed", plan.seed, "seed of everything random (default 1)")->check([](const std::string& text) {
+    return std::string(text.starts_with('-') ? text + " is negative; take 0 or more" : "");
+  });
   command->add_option("--noise", plan.noise_um, "um, sigma of the noise (default: the scene's)");
   command->add_option("--correlated", plan.correlated_mm, "mm along the line over which the noise hangs together");
   command->add_option("--jitter", plan.jitter, "share of the pitch by which points leave their place");

@@ -66,6 +66,10 @@ Result<Sampling> sample(double length, std::optional<std::uint32_t> count, std::
   }
   if (step_mm) sampling.step = *step_mm * kUm;
   const double wanted = count ? static_cast<double>(*count) : std::fmax(1.0, std::floor(length / sampling.step + 1e-6));
+  if (wanted > most && count) {
+    return fail(Errc::usage, count_option, " ", shortest(wanted), " is more than this scene's ", shortest(most),
+                "; ask for fewer");
+  }
   if (wanted > most) {
     return fail(Errc::usage, step_option, " ", shortest(sampling.step / kUm), " asks for ", shortest(wanted), " of at most ",
                 shortest(most), "; take a longer one or set ", count_option);

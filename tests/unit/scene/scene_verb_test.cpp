@@ -116,6 +116,7 @@ TEST_F(SceneVerb, BadPlacesAreErrors) {
   EXPECT_EQ(exit_code(folder.error().code), 73);
   const auto nowhere = OutputFile::create(folder_ / "no" / "such" / "place.xyz", false);
   ASSERT_FALSE(nowhere);
+  EXPECT_NE(nowhere.error().context.find("place.xyz: "), std::string::npos) << nowhere.error().context;
   EXPECT_EQ(exit_code(nowhere.error().code), 73);
   if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
   auto full = OutputFile::create("/dev/full", false);
@@ -138,8 +139,9 @@ TEST_F(SceneVerb, UsageErrorsLeaveNothing) {
     ASSERT_FALSE(done) << command;
     EXPECT_EQ(done.error().code, Errc::usage) << command;
   }
-  for (const char* command : {"scansim scene part --lines x -o y", "scansim scene part --lines -3 -o y", "scansim",
-                              "scansim play", "scansim scene part --colour red"}) {
+  for (const char* command :
+       {"scansim scene part --lines x -o y", "scansim scene part --lines -3 -o y", "scansim scene part --seed -1 -o y",
+        "scansim", "scansim play", "scansim scene part --colour red"}) {
     const auto request = parse_scene_command(command);
     ASSERT_FALSE(request) << command;
     EXPECT_EQ(request.error().code, Errc::usage);
