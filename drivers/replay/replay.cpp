@@ -33,14 +33,12 @@ bool is_of_content(Errc code) noexcept {
 
 class ReplayDriver final : public Driver {
 public:
-  explicit ReplayDriver(ReplayOptions options) : options_(std::move(options)) {}
+  explicit ReplayDriver(ReplayOptions options)
+      : options_(std::move(options)), survey_whole_(!std::holds_alternative<ResolutionGiven>(options_.import.resolution)) {}
 
   Result<void> open() override {
     SCANSION_TRY(identity, identify(options_.file));
-    if (refused_ && refused_->first == identity) {
-      const Error& error = refused_->second;
-      return Error{error.code, error.context + " (waiting for the file to change)"};
-    }
+    if (refused_ && refused_->first == identity) return refused_->second;
     refused_.reset();
     identity_ = identity;
     auto importer = Importer::open({options_.file}, options_.import, {});
@@ -51,7 +49,7 @@ public:
 
   Result<DeviceFacts> start() override {
     // A lattice that turns out too coarse half-way would split the recording: look at all of the file first.
-    if (std::holds_alternative<ResolutionAuto>(options_.import.resolution)) {
+    if (survey_whole_) {
       if (auto surveyed = importer_->survey_all(); !surveyed) return refuse(std::move(surveyed).assume_error());
     }
     facts_.lattice = importer_->lattice();
@@ -69,7 +67,11 @@ public:
 
   Result<Delivery> next(LineBuffer& line, Gap& /*gap*/) override {
     auto more = importer_->next(line);
-    if (!more) return refuse(std::move(more).assume_error());
+    if (!more) {
+      if (more.assume_error().code != Errc::finer || survey_whole_) return refuse(std::move(more).assume_error());
+      survey_whole_ = true; // the next attempt will know better
+      return std::move(more).assume_error();
+    }
     rounding_mm_ = std::max(rounding_mm_, importer_->counts().rounding_mm);
     if (more.assume_value()) return Delivery::line;
     if (!options_.loop || importer_->counts().lines == 0) return Delivery::end;
@@ -96,11 +98,14 @@ private:
   }
 
   Error refuse(Error error) {
-    if (is_of_content(error.code)) refused_.emplace(identity_, error);
+    if (!is_of_content(error.code)) return error;
+    error.context += " (not read again before the file changes)";
+    refused_.emplace(identity_, error);
     return error;
   }
 
   ReplayOptions options_;
+  bool survey_whole_; ///< look at all of the file before the first line
   std::optional<Importer> importer_;
   FileIdentity identity_;
   std::optional<std::pair<FileIdentity, Error>> refused_; ///< bad content is not read again before it changes

@@ -95,20 +95,31 @@ class Replay(DaemonTest):
         self.assertEqual(self.check_sound(daemon.files()[0]).lines, 100)
 
     def test_bad_row_in_the_middle(self):
-        scan = self.scan(200)
+        """With a resolution given only the first 4 MiB are looked at before the first line."""
+        scan = self.scan(15000)
         with open(self.scan_path, "a") as out:
             out.write("1.0 2.0\n")
         daemon = self.daemon([self.replay(resolution="0.001")]).start()
         device = daemon.until_state("backing off")
-        self.assertIn("scan.xyz", device["error"])
-        self.assertIn(str(200 * 21 + 1), device["error"], "the row is named")
-        daemon.until_written(199)
+        self.assertIn(f"scan.xyz:{15000 * 21 + 1}:", device["error"], "the row is named")
+        self.assertGreater(device["lines"], 14000)
+        daemon.until_written(device["lines"])
         # The same bad bytes are not recorded again and again.
         time.sleep(1.5)
-        self.assertEqual(len(daemon.files()), 1)
         daemon.stop(self)
-        recording = self.check_sound(daemon.files()[0])
-        self.check_points(daemon.files()[0], scan[: recording.lines])
+        (path,) = daemon.files()
+        recording = self.check_sound(path)
+        self.assertEqual(recording.lines, device["lines"])
+        self.check_points(path, scan[: recording.lines])
+
+    def test_bad_row_is_found_before_the_first_line(self):
+        self.scan(15000)
+        with open(self.scan_path, "a") as out:
+            out.write("1.0 2.0\n")
+        daemon = self.daemon([self.replay()]).start()
+        self.assertIn(f"scan.xyz:{15000 * 21 + 1}:", daemon.until_state("backing off")["error"])
+        daemon.stop(self)
+        self.assertEqual(daemon.files(), [])
 
     def test_binary_garbage(self):
         with open(os.path.join(self.folder, "scan.xyz"), "wb") as out:

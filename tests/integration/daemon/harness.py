@@ -102,8 +102,8 @@ class Daemon:
             out.write(text)
 
     def start(self, wait=True):
-        self.log = open(os.path.join(self.folder, "log.txt"), "a+")
-        self.process = subprocess.Popen([*self.wrapper, DAEMON, "--config", self.config], stderr=self.log, env=self.env)
+        with open(os.path.join(self.folder, "log.txt"), "a") as log:
+            self.process = subprocess.Popen([*self.wrapper, DAEMON, "--config", self.config], stderr=log, env=self.env)
         if wait:
             self.until(lambda: self.status() is not None, "the daemon answers")
         return self
