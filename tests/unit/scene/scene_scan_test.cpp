@@ -57,32 +57,31 @@ TEST(SceneScan, EverySceneGivesTheAskedCountTwiceTheSame) {
 }
 
 TEST(SceneScan, PaperHasExactlyItsPoints) {
-  for (const std::uint64_t seed : {1ULL, 2ULL, 0xffffffffffffffffULL}) {
-    for (const double noise : {0.0, 5.0, 50.0}) {
-      ScanPlan plan;
-      plan.seed = seed;
-      plan.noise_um = noise;
-      SceneScanner scanner = scan("paper", plan);
-      EXPECT_EQ(scanner.geometry().pitch, 100.0);
-      std::uint64_t points = 0;
-      std::uint32_t lines = 0;
-      std::size_t shortest = SIZE_MAX;
-      std::size_t longest = 0;
-      SceneLine line;
-      while (scanner.next(line)) {
-        ++lines;
-        points += line.points.size();
-        shortest = std::min(shortest, line.points.size());
-        longest = std::max(longest, line.points.size());
-      }
-      EXPECT_EQ(lines, 1214U);
-      EXPECT_EQ(points, 1'328'531U);
-      EXPECT_EQ(scanner.counts().points, 1'328'531U);
-      EXPECT_EQ(scanner.counts().lines, 1214U);
-      EXPECT_GT(shortest, 700U);
-      EXPECT_LT(longest, 1300U);
-      EXPECT_GT(longest, shortest + 100U);
+  const std::pair<std::uint64_t, double> cases[] = {{1, 5.0}, {2, 0.0}, {0xffffffffffffffffULL, 50.0}};
+  for (const auto& [seed, noise] : cases) {
+    ScanPlan plan;
+    plan.seed = seed;
+    plan.noise_um = noise;
+    SceneScanner scanner = scan("paper", plan);
+    EXPECT_EQ(scanner.geometry().pitch, 100.0);
+    std::uint64_t points = 0;
+    std::uint32_t lines = 0;
+    std::size_t shortest = SIZE_MAX;
+    std::size_t longest = 0;
+    SceneLine line;
+    while (scanner.next(line)) {
+      ++lines;
+      points += line.points.size();
+      shortest = std::min(shortest, line.points.size());
+      longest = std::max(longest, line.points.size());
     }
+    EXPECT_EQ(lines, 1214U);
+    EXPECT_EQ(points, 1'328'531U);
+    EXPECT_EQ(scanner.counts().points, 1'328'531U);
+    EXPECT_EQ(scanner.counts().lines, 1214U);
+    EXPECT_GT(shortest, 700U);
+    EXPECT_LT(longest, 1300U);
+    EXPECT_GT(longest, shortest + 100U);
   }
 }
 

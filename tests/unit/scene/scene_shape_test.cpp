@@ -114,8 +114,8 @@ TEST(Catalog, HeightsAreFiniteAndWithinTheirBounds) {
     const Scene scene = entry.make();
     double low = 1e9;
     double high = -1e9;
-    for (double y = -40.0; y < scene.length_y + 40.0; y += 0.21) {
-      for (double x = -40.0; x < scene.length_x + 40.0; x += 0.21) {
+    for (double y = -30.0; y < scene.length_y + 30.0; y += 0.37) {
+      for (double x = -30.0; x < scene.length_x + 30.0; x += 0.37) {
         const double z = scene.relief(x, y);
         ASSERT_TRUE(std::isfinite(z)) << entry.name << ' ' << x << ' ' << y;
         low = std::min(low, z);

@@ -86,7 +86,8 @@ TEST_P(Tilt, NothingHidesAPoint) {
   const double dy = scanner.geometry().tilt.sin * scanner.geometry().direction.cos;
   SceneLine line;
   while (scanner.next(line)) {
-    for (const ScenePoint& point : line.points) {
+    for (std::size_t k = line.index % 5; k < line.points.size(); k += 5) {
+      const ScenePoint& point = line.points[k];
       // Up the ray from just above the point; what hides it may be at most one trace step (0.05 mm in plan) thick.
       double hidden = 0.0;
       for (double h = 0.02; h < 25.0; h += 0.02) {
