@@ -5,8 +5,6 @@
 #include "pipeline/record/repair_steps.hpp"
 #include "pipeline/record/walk.hpp"
 
-#include <algorithm>
-
 namespace scansion {
 namespace {
 

@@ -22,7 +22,7 @@ public:
     facts_ = head.facts;
     const Bytes expected = head_bytes(facts_);
     SCANSION_TRY(actual, window_.view(0, expected.size()));
-    if (!std::ranges::equal(expected, actual)) return refuse("its head is broken");
+    if (!mcap::same(expected, actual)) return refuse("its head is broken");
     state_.size = expected.size();
     state_.data_crc = mcap::crc32(0, expected);
     state_.copies.push_back(expected.size() - copy_size());
@@ -129,7 +129,7 @@ Result<void> Finisher::measure_torn() {
     const std::uint64_t left = state_.standing - std::min(at, state_.standing);
     const ByteView expected = piece.first(std::min<std::uint64_t>(piece.size(), left));
     SCANSION_TRY(actual, window_.view(state_.size + at, expected.size()));
-    if (!std::ranges::equal(expected, actual)) return refuse("the framing of the last group is broken");
+    if (!mcap::same(expected, actual)) return refuse("the framing of the last group is broken");
     at += piece.size();
   }
   if (state_.standing > at) return refuse("the framing of the last group is broken");

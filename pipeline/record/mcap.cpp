@@ -4,6 +4,8 @@
 
 #include "pipeline/codec/endian.hpp"
 
+#include <algorithm>
+#include <cstring>
 #include <zlib.h>
 
 static_assert(sizeof(z_off_t) == 8, "recordings are larger than 2 GiB");
@@ -24,8 +26,10 @@ void Builder::u64(std::uint64_t v) {
 }
 
 void Builder::raw(std::string_view bytes) {
-  const ByteView view = bytes_of(bytes);
-  out_->insert(out_->end(), view.begin(), view.end());
+  if (bytes.empty()) return;
+  const std::size_t at = out_->size();
+  out_->resize(at + bytes.size());
+  std::memcpy(out_->data() + at, bytes.data(), bytes.size());
 }
 
 void Builder::string(std::string_view text) {
@@ -114,6 +118,17 @@ std::uint32_t crc32(std::uint32_t crc, ByteView bytes) noexcept {
 
 std::uint32_t crc32_joined(std::uint32_t first, std::uint32_t second, std::uint64_t second_length) noexcept {
   return static_cast<std::uint32_t>(::crc32_combine(first, second, static_cast<z_off_t>(second_length)));
+}
+
+bool same(ByteView a, ByteView b) noexcept {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size()) == 0);
+}
+
+std::size_t same_bytes(ByteView a, ByteView b) noexcept {
+  const std::size_t count = std::min(a.size(), b.size());
+  if (same(a.first(count), b.first(count))) return count;
+  return static_cast<std::size_t>(std::mismatch(a.begin(), a.begin() + static_cast<std::ptrdiff_t>(count), b.begin()).first -
+                                  a.begin());
 }
 
 } // namespace scansion::mcap

@@ -101,6 +101,10 @@ struct RecordHead {
 /// The CRC-32 of two stretches, from theirs and the length of the second.
 [[nodiscard]] std::uint32_t crc32_joined(std::uint32_t first, std::uint32_t second, std::uint64_t second_length) noexcept;
 
+[[nodiscard]] bool same(ByteView a, ByteView b) noexcept;
+/// How many bytes at the start of `a` and `b` are the same.
+[[nodiscard]] std::size_t same_bytes(ByteView a, ByteView b) noexcept;
+
 [[nodiscard]] inline ByteView bytes_of(std::string_view text) noexcept {
   return std::as_bytes(std::span(text));
 }

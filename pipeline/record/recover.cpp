@@ -28,7 +28,8 @@ public:
       SCANSION_TRY(output_.append_gap({first, last - first + 1, std::string(kLostReason)}, hole.time));
       report_.lost.push_back(hole.lines);
     }
-    SCANSION_TRY(look_at_tail(end));
+    SCANSION_TRY(lost, tail_lost());
+    report_.tail_lost = lost;
     const auto ended = end.end ? end.end->ended_ns : std::nullopt;
     SCANSION_TRY(output_.finish(ended, end.end ? end.end->rounding_mm : facts_.rounding_mm));
     const RecordingEnd& totals = output_.state().totals;
@@ -44,7 +45,12 @@ public:
 
 private:
   Result<std::uint64_t> begin();
-  Result<void> look_at_tail(const WalkEnd& end);
+  struct Stretch {
+    std::uint64_t from = 0, to = 0;
+    bool behind_group = false; ///< starts where the payloads of a group end
+  };
+  Result<bool> held_a_group(const Stretch& stretch);
+  Result<bool> tail_lost();
   void skip(std::uint64_t bytes) {
     report_.bytes_skipped += bytes;
     skipped_before_ = true;
@@ -56,16 +62,17 @@ private:
   const GroupInspector& inspect_;
   RecoverReport report_;
   std::vector<Hole> holes_;
-  std::vector<Gap> gaps_;             ///< without their reasons
-  bool skipped_before_ = false;       ///< something was skipped before the first group
-  std::optional<Damage> last_damage_; ///< when it reaches the end of the file
+  std::vector<Gap> gaps_;                  ///< without their reasons
+  std::vector<Stretch> behind_last_group_; ///< broken
+  bool refused_behind_last_group_ = false; ///< whole, but out of order or not to be decoded
+  bool skipped_before_ = false;            ///< something was skipped before the first group
 };
 
 /// Behind the head when the file has the one its facts ask for, else 0.
 Result<std::uint64_t> Recoverer::begin() {
   const Bytes head = head_bytes(facts_);
   SCANSION_TRY(actual, window_.view(0, head.size()));
-  return std::ranges::equal(head, actual) ? std::uint64_t{head.size()} : std::uint64_t{0};
+  return mcap::same(head, actual) ? std::uint64_t{head.size()} : std::uint64_t{0};
 }
 
 Result<void> Recoverer::on_group(const FoundGroup& group) {
@@ -75,10 +82,13 @@ Result<void> Recoverer::on_group(const FoundGroup& group) {
   const auto counts = order.follows(group.lines) ? inspect_(group.payloads) : fail(Errc::damaged, "out of order");
   if (!counts) {
     skip(size);
+    refused_behind_last_group_ = true;
     return success();
   }
   if (group.lines.first_line > order.next_line() && (order.any() || skipped_before_))
     holes_.push_back({{order.next_line(), group.lines.first_line - 1}, group.lines.first_time_ns});
+  behind_last_group_.clear();
+  refused_behind_last_group_ = false;
   return output_.append_group(group.payloads, group.lines.points, counts.value());
 }
 
@@ -89,30 +99,38 @@ Result<void> Recoverer::on_gap(const Gap& gap, const ChunkEntry& entry) {
 
 Result<void> Recoverer::on_damage(const Damage& damage) {
   skip(damage.to - damage.from - damage.grouped);
-  if (damage.to == window_.size()) last_damage_ = damage;
+  behind_last_group_.push_back({damage.last_group_end, damage.to, damage.grouped > 0});
   return success();
 }
 
-/// Whether the broken bytes at the end of the file, if there are any, belonged to a group.
-Result<void> Recoverer::look_at_tail(const WalkEnd& end) {
-  if (end.end || !last_damage_) return success();
-  const std::uint64_t from = last_damage_->last_group_end;
-  const auto summary = read_summary(window_);
-  if (summary) { // it lists every chunk there was
-    const auto& chunks = summary.value().chunks;
-    report_.tail_lost = !chunks.empty() && chunks.back() >= from;
-    return success();
-  }
-  if (summary.error().code != Errc::damaged) return summary.error();
-  const std::uint64_t left = window_.size() - from;
-  if (last_damage_->grouped > 0) { // the group came back; what is left may be no more than its message indexes and facts
-    report_.tail_lost = left > mcap::kMessageIndex * payloads_per_group(facts_) + facts_record(facts_).size();
-    return success();
-  }
-  SCANSION_TRY(first, window_.view(from, 1));
+/// Without a summary: whether more is broken there than the end of a block, or a metadata record, or what stands behind all
+/// data.
+Result<bool> Recoverer::held_a_group(const Stretch& stretch) {
+  const std::uint64_t size = stretch.to - stretch.from;
+  const std::uint64_t rest_of_block = mcap::kMessageIndex * payloads_per_group(facts_) + facts_record(facts_).size();
+  if (stretch.behind_group) return size > rest_of_block;
+  SCANSION_TRY(first, window_.view(stretch.from, 1));
   const bool metadata = !first.empty() && first.front() == static_cast<std::byte>(mcap::Opcode::metadata);
-  report_.tail_lost = left > 0 && !(metadata && left <= kMaxMetadata);
-  return success();
+  return size > 0 && !(metadata && size <= kMaxMetadata);
+}
+
+/// Whether what is broken behind the last group held groups. Between groups the missing lines tell; here nothing does.
+Result<bool> Recoverer::tail_lost() {
+  if (refused_behind_last_group_) return true;
+  if (behind_last_group_.empty()) return false;
+  const auto summary = read_summary(window_);
+  if (!summary && summary.error().code != Errc::damaged) return summary.error();
+  for (const Stretch& stretch : behind_last_group_) {
+    if (summary) { // it lists every chunk there was
+      const auto& chunks = summary.value().chunks;
+      const auto first = std::lower_bound(chunks.begin(), chunks.end(), stretch.from);
+      if (first != chunks.end() && *first < stretch.to) return true;
+    } else {
+      SCANSION_TRY(held, held_a_group(stretch));
+      if (held) return true;
+    }
+  }
+  return false;
 }
 
 /// A report of what was written, once the written recording has been read back and found sound.

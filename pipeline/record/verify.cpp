@@ -7,9 +7,6 @@
 #include "pipeline/record/tail.hpp"
 #include "pipeline/record/walk.hpp"
 
-#include <algorithm>
-#include <cstring>
-
 namespace scansion {
 namespace {
 
@@ -79,14 +76,13 @@ Result<std::uint64_t> Verifier::check_head() {
   const Bytes expected = head_bytes(facts_);
   SCANSION_TRY(actual, window_.view(0, expected.size()));
   copies_.push_back(expected.size() - facts_record(facts_).size());
-  const auto differ = std::ranges::mismatch(expected, actual);
-  if (differ.in1 == expected.end()) {
+  const std::uint64_t at = mcap::same_bytes(expected, actual);
+  if (at == expected.size()) {
     data_crc_ = mcap::crc32(0, expected);
-    report_.good_bytes = expected.size();
-    return std::uint64_t{expected.size()};
+    report_.good_bytes = at;
+    return at;
   }
   broken_before_ = true;
-  const auto at = static_cast<std::uint64_t>(differ.in1 - expected.begin());
   find(at, at == actual.size() ? "the file ends inside its head" : "the head is not what the facts of the recording ask for");
   SCANSION_TRY(behind, window_.view(expected.size(), 1));
   const bool goes_on = !behind.empty() && behind.front() == static_cast<std::byte>(mcap::Opcode::chunk);
@@ -183,15 +179,12 @@ Result<void> Verifier::compare_tail(const TailFacts& tail) {
   const ByteSink compare = [&](ByteView expected) -> Result<void> {
     if (differs) return success();
     SCANSION_TRY(actual, window_.view(at, expected.size()));
-    if (actual.size() < expected.size() || std::memcmp(actual.data(), expected.data(), expected.size()) != 0) {
-      const auto differ = std::ranges::mismatch(expected, actual);
-      differs = true;
-      at += static_cast<std::uint64_t>(differ.in1 - expected.begin());
+    const std::size_t equal = mcap::same_bytes(expected, actual);
+    at += equal;
+    differs = equal < expected.size();
+    if (differs)
       find(at, at >= window_.size() ? "the file ends inside its end records"
                                     : "data end, summary or footer are not what the data asks for");
-      return success();
-    }
-    at += expected.size();
     return success();
   };
   SCANSION_TRY(make_tail(tail, compare));

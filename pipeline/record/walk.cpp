@@ -5,8 +5,6 @@
 #include "pipeline/record/metadata.hpp"
 #include "pipeline/record/salvage.hpp"
 
-#include <algorithm>
-
 namespace scansion {
 namespace {
 
@@ -96,7 +94,7 @@ Result<Item> Walker::look_at_metadata(std::uint64_t at, const mcap::RecordHead& 
   if (record.size() < mcap::kRecordHead + head.length) return nothing(at, "metadata record is cut short");
   Item item;
   item.size = record.size();
-  if (std::ranges::equal(record, copy_)) {
+  if (mcap::same(record, copy_)) {
     item.what = What::copy;
     item.copy = record;
     return item;
@@ -112,10 +110,8 @@ std::optional<std::uint64_t> Walker::first_difference(ByteView block) const {
   std::uint64_t at = 0;
   for (const ByteView piece : block_.pieces()) {
     const ByteView theirs = block.subspan(at, piece.size());
-    if (piece.data() != theirs.data() && !std::ranges::equal(piece, theirs)) {
-      const auto differ = std::ranges::mismatch(piece, theirs);
-      return at + static_cast<std::uint64_t>(differ.in1 - piece.begin());
-    }
+    const std::size_t equal = piece.data() == theirs.data() ? piece.size() : mcap::same_bytes(piece, theirs);
+    if (equal < piece.size()) return at + equal;
     at += piece.size();
   }
   return std::nullopt;

@@ -14,6 +14,13 @@
 
 namespace scansion::synthetic {
 
+/// Without optimisation the sweeps over every byte would take minutes: there they leave out what is like its neighbours.
+#ifdef __OPTIMIZE__
+inline constexpr bool kThorough = true;
+#else
+inline constexpr bool kThorough = false;
+#endif
+
 /// A folder that is removed with everything in it. In memory where the machine has a place for that.
 class Folder {
 public:

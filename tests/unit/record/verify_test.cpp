@@ -69,7 +69,7 @@ void every_flip_is_seen(const Plan& plan) {
   ASSERT_GE(fd, 0);
   for (std::uint64_t at = 0; at < original.size(); ++at) {
     // Every bit of the head and of what follows the data, one bit of each other byte.
-    const bool all_bits = at < made.head || at >= made.data_end;
+    const bool all_bits = kThorough && (at < made.head || at >= made.data_end);
     for (unsigned bit = all_bits ? 0 : at % 8; bit < 8; bit += all_bits ? 1 : 8) {
       const Patch patch(fd, at, original[at] ^ static_cast<std::byte>(1U << bit));
       const auto report = verify_with(path, inspector());
