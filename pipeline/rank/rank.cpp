@@ -5,8 +5,10 @@
 #include "pipeline/rank/chord.hpp"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <numeric>
+#include <type_traits>
 
 namespace scansion {
 namespace {
@@ -38,22 +40,23 @@ private:
   std::span<const std::uint32_t> position_;
 };
 
+template <class Kernel>
 struct Farthest {
   std::size_t index = 0;
-  exact::Squared distance;
+  exact::Squared<typename Kernel::Number, typename Kernel::Length> distance;
 };
 
 template <class Kernel>
-Farthest farthest(const Kernel& kernel, const MiddleRule& rule, std::size_t a, std::size_t b) noexcept {
+Farthest<Kernel> farthest(const Kernel& kernel, const MiddleRule& rule, std::size_t a, std::size_t b) {
   const auto chord = kernel.chord(a, b);
   // Best inside the ends and best beyond them are kept apart: within each the comparison is one integer.
   typename Kernel::Cross best_cross = 0;
-  std::uint64_t best_beyond = 0;
+  typename Kernel::Beyond best_beyond = 0;
   std::size_t inside = 0;
   std::size_t outside = 0;
   for (std::size_t k = a + 1; k < b; ++k) {
     typename Kernel::Cross cross;
-    std::uint64_t beyond;
+    typename Kernel::Beyond beyond;
     if (kernel.measure(chord, k, cross, beyond)) {
       if (cross > best_cross || inside == 0 ||
           (cross == best_cross && rule.off_middle(k, a, b) < rule.off_middle(inside, a, b))) {
@@ -66,8 +69,8 @@ Farthest farthest(const Kernel& kernel, const MiddleRule& rule, std::size_t a, s
       outside = k;
     }
   }
-  const Farthest in{inside, {Kernel::squared(best_cross), chord.length}};
-  const Farthest out{outside, {best_beyond, 1}};
+  const Farthest<Kernel> in{inside, {Kernel::squared(best_cross), chord.length}};
+  const Farthest<Kernel> out{outside, {best_beyond, 1}};
   if (outside == 0) return in;
   if (inside == 0) return out;
   const int order = exact::compare(in.distance, out.distance, chord.length);
@@ -102,7 +105,7 @@ void Ranker::rank(const RunPoints& run, std::span<double> distance, std::span<st
         if (i.parent == 0.0) {
           split = rule.middle(i.a, i.b); // a chord on which all points lie: repeated bisection
         } else {
-          const Farthest f = farthest(kernel, rule, i.a, i.b);
+          const auto f = farthest(kernel, rule, i.a, i.b);
           split = f.index;
           d = std::min(exact::millimetres(f.distance, resolution_), i.parent);
         }
@@ -131,13 +134,20 @@ void rank_order(std::span<const double> distance, std::span<const std::uint32_t>
 }
 
 double segment_distance(const RunPoints& run, std::size_t p, std::size_t a, std::size_t b, Rational resolution) {
-  // The planar kernel gives the same numerator and denominator, so the spatial one serves every run.
-  const Spatial kernel{run.x.data(), run.y.data(), run.z.data()};
-  const auto chord = kernel.chord(a, b);
-  exact::U128 cross = 0;
-  std::uint64_t beyond = 0;
-  return kernel.measure(chord, p, cross, beyond) ? exact::millimetres({cross, chord.length}, resolution)
-                                                 : exact::millimetres({beyond, 1}, resolution);
+  // All kernels give the same numerator and denominator; three points decide which one is wide enough.
+  const auto three = [&](std::span<const std::int32_t> axis) { return std::array{axis[a], axis[p], axis[b]}; };
+  const auto x = three(run.x);
+  const auto y = three(run.y);
+  const auto z = three(run.z);
+  return with_kernel({x, y, z, {}}, [&](const auto& kernel) {
+    using Kernel = std::remove_cvref_t<decltype(kernel)>;
+    using Squared = exact::Squared<typename Kernel::Number, typename Kernel::Length>;
+    const auto chord = kernel.chord(0, 2);
+    typename Kernel::Cross cross;
+    typename Kernel::Beyond beyond;
+    return kernel.measure(chord, 1, cross, beyond) ? exact::millimetres(Squared{Kernel::squared(cross), chord.length}, resolution)
+                                                   : exact::millimetres(Squared{beyond, 1}, resolution);
+  });
 }
 
 } // namespace scansion

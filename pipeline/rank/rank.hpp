@@ -10,7 +10,7 @@
 
 namespace scansion {
 
-/// The points of one run, as counts. Spans less than kMaxRunSpan on each axis.
+/// The points of one run, as counts. Any 32 bit values; runs that span less than 2^30 counts on each axis are fast.
 struct RunPoints {
   std::span<const std::int32_t> x, y, z;
   /// Index of each point in its whole run, ascending, when the points are a subset of it (the tie rule looks at these);

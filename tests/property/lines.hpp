@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <random>
 #include <vector>
 
@@ -30,7 +31,8 @@ enum class Kind : int {
   square_wave, ///< steps with verticals
   steps_back,  ///< x runs back by many counts
   duplicates,  ///< the same point many times
-  extremes,    ///< the corners of the largest span
+  extremes,    ///< the corners of the largest span of the fast kernels
+  wide,        ///< anywhere in 32 bits
   part,        ///< smooth surface with steps and noise
   tilted,      ///< a part in a leaning plane
   kinds
@@ -62,6 +64,10 @@ inline Coordinates make_run(Random& random, Kind kind, std::size_t n) {
       case Kind::steps_back: add(i * pitch - (i / 7) * 9 * pitch, 0, pick(random, 0, height)); break;
       case Kind::duplicates: add(i / 5 * pitch, 0, i / 5 % 3); break;
       case Kind::extremes: add((random() % 2) * kSpan, (random() % 2) * kSpan, (random() % 2) * kSpan); break;
+      case Kind::wide:
+        add(static_cast<std::int32_t>(random()), random() % 2 == 0 ? std::numeric_limits<std::int32_t>::min() : pick(random, -9, 9),
+            random() % 2 == 0 ? std::numeric_limits<std::int32_t>::max() : static_cast<std::int32_t>(random()));
+        break;
       case Kind::part:
       case Kind::tilted:
       case Kind::kinds:

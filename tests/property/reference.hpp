@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "pipeline/model/lattice.hpp"
 #include "tests/property/lines.hpp"
 
 #include <boost/multiprecision/cpp_int.hpp>
@@ -10,7 +11,6 @@
 
 namespace scansion::test {
 
-__extension__ using U128 = unsigned __int128;
 using Big = boost::multiprecision::cpp_int;
 
 /// An exact squared distance.
@@ -36,10 +36,21 @@ inline Fraction squared_distance(const Coordinates& c, std::size_t p, std::size_
   return {from_a * length - along * along, length};
 }
 
+/// Nearest double, ties to even, by hand.
+inline double nearest(const Big& value) {
+  if (value == 0) return 0.0;
+  const auto bits = static_cast<int>(msb(value)) + 1;
+  if (bits <= 53) return value.convert_to<double>();
+  const int cut = bits - 53;
+  Big mantissa = value >> cut;
+  const Big rest = value - (mantissa << cut);
+  const Big half = Big(1) << (cut - 1);
+  if (rest > half || (rest == half && mantissa % 2 == 1)) ++mantissa;
+  return std::ldexp(mantissa.convert_to<double>(), cut);
+}
+
 inline double to_mm(const Fraction& d, Rational resolution) {
-  const auto numerator = d.numerator.convert_to<U128>();
-  const auto denominator = d.denominator.convert_to<U128>();
-  return std::sqrt(static_cast<double>(numerator) / static_cast<double>(denominator)) * static_cast<double>(resolution.num) /
+  return std::sqrt(nearest(d.numerator) / nearest(d.denominator)) * static_cast<double>(resolution.num) /
          static_cast<double>(resolution.den);
 }
 
