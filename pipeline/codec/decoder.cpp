@@ -23,8 +23,7 @@ struct GroupDecoder::Impl {
   [[nodiscard]] bool put(std::size_t axis, PointIndex i, std::int64_t value) noexcept;
   [[nodiscard]] Result<void> read_level(ByteReader& from, const PayloadHeader& header, DecodedGroup& out);
   [[nodiscard]] Result<void> read_rest(ByteReader& from, const PayloadHeader& header, DecodedGroup& out);
-  [[nodiscard]] Result<void> read_ulps(ByteReader& from, DecodedGroup& out);
-  [[nodiscard]] Result<void> publish(DecodedGroup& out);
+  [[nodiscard]] Result<void> publish(ByteReader& from, DecodedGroup& out);
 };
 
 bool GroupDecoder::Impl::put(std::size_t axis, PointIndex i, std::int64_t value) noexcept {
@@ -91,25 +90,26 @@ Result<void> GroupDecoder::Impl::read_rest(ByteReader& from, const PayloadHeader
   return success();
 }
 
-Result<void> GroupDecoder::Impl::read_ulps(ByteReader& from, DecodedGroup& out) {
-  if (!exact) return success();
+// Turns steps into counts, and reads what the steps leave over.
+Result<void> GroupDecoder::Impl::publish(ByteReader& from, DecodedGroup& out) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
+    const AxisScale& scale = scales[axis];
+    const auto step = static_cast<std::int64_t>(scale.step);
+    std::vector<std::int64_t>& rest = residuals[axis];
+    rest.assign(scale.split ? 0 : state.fresh.size(), 0);
+    if (scale.split) {
+      SCANSION_TRY(planes.get_planes(from, state.fresh.size(), rest));
+    }
+    for (std::size_t i = 0; i < state.fresh.size(); ++i) {
+      // |u| <= 2^31 and step < 2^32: the product fits.
+      const std::int64_t value = saturating_sum(scale.base + step * state.u[axis][state.fresh[i]], rest[i]);
+      if (value != static_cast<std::int32_t>(value)) return fail(Errc::damaged, "a coordinate is beyond 32 bits");
+      out.group.xyz[axis][state.fresh[i]] = static_cast<std::int32_t>(value);
+    }
+  }
+  for (std::size_t axis = 0; exact && axis < 3; ++axis) {
     SCANSION_TRY(planes.get_planes(from, state.fresh.size(), residuals[axis]));
     for (std::size_t i = 0; i < state.fresh.size(); ++i) out.group.ulp[axis][state.fresh[i]] = residuals[axis][i];
-  }
-  return success();
-}
-
-Result<void> GroupDecoder::Impl::publish(DecodedGroup& out) {
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const std::int64_t base = scales[axis].base;
-    const auto step = static_cast<std::int64_t>(scales[axis].step);
-    for (const PointIndex i : state.fresh) {
-      // |u| <= 2^31 and step < 2^32: the product fits.
-      const std::int64_t value = base + step * state.u[axis][i];
-      if (value != static_cast<std::int32_t>(value)) return fail(Errc::damaged, "a coordinate is beyond 32 bits");
-      out.group.xyz[axis][i] = static_cast<std::int32_t>(value);
-    }
   }
   return success();
 }
@@ -155,9 +155,8 @@ Result<void> GroupDecoder::add(ByteView level_payload, DecodedGroup& out) {
     return fail(Errc::damaged, "a level belongs to another group");
   ByteReader from(level_payload.subspan(kPayloadHeaderSize, header.body_size));
   SCANSION_TRY(rest ? s.read_rest(from, header, out) : s.read_level(from, header, out));
-  SCANSION_TRY(s.read_ulps(from, out));
+  SCANSION_TRY(s.publish(from, out));
   if (!from.at_end()) return fail(Errc::damaged, "bytes follow a level");
-  SCANSION_TRY(s.publish(out));
   s.state.merge_fresh();
   ++out.known_levels;
   out.left_out = header.left_out;

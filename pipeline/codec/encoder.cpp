@@ -56,7 +56,7 @@ struct GroupEncoder::Impl {
   void load(const LineGroup& group);
   void write_level(const LineGroup& group, std::uint8_t level, Bytes& to);
   void write_rest(const LineGroup& group, Bytes& to);
-  void write_ulps(const LineGroup& group, Bytes& to);
+  void write_leftovers(const LineGroup& group, Bytes& to);
   void put_best(std::size_t modes, Bytes& to);
   struct RestChoice {
     RestMode mode;
@@ -69,14 +69,10 @@ void GroupEncoder::Impl::load(const LineGroup& group) {
   state.reset(group.points());
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto& v = group.xyz[axis];
-    scales[axis] = find_scale(v);
-    const std::int64_t base = scales[axis].base;
-    const auto step = static_cast<std::int64_t>(scales[axis].step);
+    const AxisScale& scale = scales[axis] = find_scale(v);
     auto& u = state.u[axis];
-    if (step == 1)
-      for (std::size_t i = 0; i < v.size(); ++i) u[i] = static_cast<std::int32_t>(v[i] - base);
-    else
-      for (std::size_t i = 0; i < v.size(); ++i) u[i] = static_cast<std::int32_t>((v[i] - base) / step);
+    for (std::size_t i = 0; i < v.size(); ++i)
+      u[i] = static_cast<std::int32_t>(scale.step == 1 ? std::int64_t{v[i]} - scale.base : scale.steps(v[i]));
   }
 }
 
@@ -157,7 +153,14 @@ void GroupEncoder::Impl::write_rest(const LineGroup& group, Bytes& to) {
   for (std::size_t axis = 0; axis < 3; ++axis) planes.put_planes(to, trial[axis]);
 }
 
-void GroupEncoder::Impl::write_ulps(const LineGroup& group, Bytes& to) {
+// What the coded steps leave over: remainders of axes whose step not all values share, IEEE residuals.
+void GroupEncoder::Impl::write_leftovers(const LineGroup& group, Bytes& to) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (!scales[axis].split) continue;
+    residuals.clear();
+    for (const PointIndex i : state.fresh) residuals.push_back(scales[axis].remainder(group.xyz[axis][i]));
+    planes.put_planes(to, residuals);
+  }
   for (const auto& axis : group.ulp) {
     if (axis.empty()) return;
     residuals.clear();
@@ -217,7 +220,7 @@ void GroupEncoder::encode(const LineGroup& group, const GroupRanks& ranks, const
       s.write_level(group, k, payload);
     else
       s.write_rest(group, payload);
-    s.write_ulps(group, payload);
+    s.write_leftovers(group, payload);
     header.kind = k < levels ? PayloadKind::level : PayloadKind::rest;
     header.level = k;
     header.points = static_cast<std::uint32_t>(s.state.fresh.size());

@@ -35,6 +35,7 @@ enum class Kind : int {
   wide,        ///< anywhere in 32 bits
   part,        ///< smooth surface with steps and noise
   tilted,      ///< a part in a leaning plane
+  digits,      ///< nearly all values are multiples of 1000: text with significant digits
   kinds
 };
 
@@ -68,6 +69,11 @@ inline Coordinates make_run(Random& random, Kind kind, std::size_t n) {
         add(static_cast<std::int32_t>(random()), random() % 2 == 0 ? std::numeric_limits<std::int32_t>::min() : pick(random, -9, 9),
             random() % 2 == 0 ? std::numeric_limits<std::int32_t>::max() : static_cast<std::int32_t>(random()));
         break;
+      case Kind::digits: {
+        const std::int64_t z = 1000 * pick(random, -200000, 200000);
+        add(i * 250000, 3, random() % 20 == 0 ? z + pick(random, -499, 500) : z);
+        break;
+      }
       case Kind::part:
       case Kind::tilted:
       case Kind::kinds:
