@@ -65,7 +65,7 @@ private:
   Result<bool> holds_only_singles(bool whole);
   void rewind();
   Result<void> add_point(const Sample& sample);
-  Error misfit(const Sample& sample, std::size_t axis) const;
+  Error misfit(const Sample& sample, std::size_t axis, bool for_good) const;
   Error not_added(const Sample& sample, LineBuilder::Added added);
 
   std::span<const Sample> block;
@@ -121,7 +121,7 @@ Result<void> Importer::Impl::survey_points(bool whole, Survey& survey) {
       invalid += sample.kind == SampleKind::invalid ? 1 : 0;
       if (sample.kind != SampleKind::point) continue;
       for (std::size_t axis = 0; axis < 3; ++axis)
-        if (survey.add(sample.xyz[axis], axis) != Survey::Verdict::ok) return misfit(sample, axis);
+        if (survey.add(sample.xyz[axis], axis) != Survey::Verdict::ok) return misfit(sample, axis, true);
     }
   }
   if (survey.any()) return success();
@@ -240,17 +240,17 @@ Result<void> Importer::Impl::add_point(const Sample& sample) {
   std::array<std::int32_t, 3> place{};
   std::array<std::int64_t, 3> ulps{};
   for (std::size_t axis = 0; axis < 3; ++axis)
-    if (!quantizer.place(sample.xyz[axis], axis, place[axis], ulps[axis])) return misfit(sample, axis);
+    if (!quantizer.place(sample.xyz[axis], axis, place[axis], ulps[axis])) return misfit(sample, axis, complete);
   if (const auto added = builder.add(place, ulps); added != LineBuilder::Added::ok) return not_added(sample, added);
   return success();
 }
 
-Error Importer::Impl::misfit(const Sample& sample, std::size_t axis) const {
+Error Importer::Impl::misfit(const Sample& sample, std::size_t axis, bool for_good) const {
   const std::string what = stream.where(sample.place) + ": " + kAxes[axis] + " = " + text_of(sample.xyz[axis]);
   if (!(std::fabs(to_double(sample.xyz[axis])) <= max_value(options.unit)))
     return {Errc::out_of_range,
             what + " " + std::string(name(options.unit)) + " is beyond the limit of 1e12 mm; check the value and the unit"};
-  if (complete || !stream.bytes_total())
+  if (for_good)
     return {Errc::out_of_range, what + " does not fit 2^32 counts of the resolution; use a coarser resolution, or exact"};
   return {Errc::finer, what + " does not fit the lattice of the values before it; survey the whole input first"};
 }
