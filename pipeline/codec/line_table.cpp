@@ -66,7 +66,7 @@ Majority majority_residue(std::span<const std::int32_t> values, std::int64_t ste
   }
   std::size_t have = 0;
   std::size_t all = 0;
-  for (std::size_t i = 0; i < values.size(); i += stride, ++all) have += modulo(values[i], step) == m.residue ? 1 : 0;
+  for (std::size_t i = 0; i < values.size(); i += stride, ++all) have += modulo(values[i], step) == m.residue ? 1U : 0U;
   m.clear = 4 * have >= 3 * all;
   return m;
 }
