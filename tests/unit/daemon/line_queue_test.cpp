@@ -105,8 +105,9 @@ TEST(LineQueue, PopEndsAtItsDeadline) {
   LineQueue queue(clock);
   QueueItem item;
   EXPECT_FALSE(queue.pop(item, clock.steady_ns()));
+  const SteadyNs deadline = clock.steady_ns() + kSecond / 2;
   std::thread later([&] { clock.advance(kSecond); });
-  EXPECT_FALSE(queue.pop(item, clock.steady_ns() + kSecond / 2));
+  EXPECT_FALSE(queue.pop(item, deadline));
   later.join();
 }
 
