@@ -90,11 +90,10 @@ public:
     directory_.emplace(std::move(directory));
     SCANSION_TRY(repair());
     supervisor_.emplace(session_settings(config_), JournalPorts{*directory_, file_sinks(), {}}, clock_);
-    SCANSION_TRY(server, ControlServer::start(config_.socket, clock_, [this](std::string_view request) {
-                   return answer(request, [this] { return status(); });
-                 }));
+    SCANSION_TRY(server, ControlServer::listen(config_.socket, clock_));
     server_ = std::move(server);
     SCANSION_TRY(supervisor_->start(config_.devices));
+    server_->serve([this](std::string_view request) { return answer(request, [this] { return status(); }); });
     if (config_.devices.empty()) spdlog::warn("{}: no [[device]] is configured, so nothing is recorded", config_.file);
     spdlog::info("scansiond {} started: {} devices, recordings in {}, control socket {}", kVersion, config_.devices.size(),
                  directory_->path(), config_.socket);

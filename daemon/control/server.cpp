@@ -114,23 +114,23 @@ Result<UniqueFd> listen_on(const std::string& path) {
 
 } // namespace
 
-Result<std::unique_ptr<ControlServer>> ControlServer::start(const std::string& path, Clock& clock, Handler handler) {
+Result<std::unique_ptr<ControlServer>> ControlServer::listen(const std::string& path, Clock& clock) {
   SCANSION_TRY(listener, listen_on(path));
   UniqueFd wake(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
   if (!wake) return system_error("cannot make an eventfd", errno);
-  return std::unique_ptr<ControlServer>(
-      new ControlServer(path, std::move(listener), std::move(wake), clock, std::move(handler)));
+  return std::unique_ptr<ControlServer>(new ControlServer(path, std::move(listener), std::move(wake), clock));
 }
 
-ControlServer::ControlServer(std::string path, UniqueFd listener, UniqueFd wake, Clock& clock, Handler handler)
-    : path_(std::move(path)), listener_(std::move(listener)), wake_(std::move(wake)), clock_(clock),
-      handler_(std::move(handler)), thread_([this] { run(); }) {}
+void ControlServer::serve(Handler handler) {
+  handler_ = std::move(handler);
+  thread_ = std::thread([this] { run(); });
+}
 
 ControlServer::~ControlServer() {
   const std::uint64_t one = 1;
   // An eventfd that was never written takes eight bytes; there is nothing else that could fail here.
   [[maybe_unused]] const ssize_t written = ::write(wake_.get(), &one, sizeof one);
-  thread_.join();
+  if (thread_.joinable()) thread_.join();
   ::unlink(path_.c_str());
 }
 

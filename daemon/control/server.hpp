@@ -21,14 +21,18 @@ public:
 
   /// Listens on `path`, mode 0660; its folder is made when missing. A socket that nobody serves any more is replaced. Fails
   /// with unavailable when another daemon answers there, exists when the path is no socket.
-  [[nodiscard]] static Result<std::unique_ptr<ControlServer>> start(const std::string& path, Clock& clock, Handler handler);
+  /// Clients may connect from now on; they are answered from serve() on.
+  [[nodiscard]] static Result<std::unique_ptr<ControlServer>> listen(const std::string& path, Clock& clock);
+  /// Starts the thread. Call once.
+  void serve(Handler handler);
   ControlServer(const ControlServer&) = delete;
   ControlServer& operator=(const ControlServer&) = delete;
   /// Hangs up on all clients, removes the socket.
   ~ControlServer();
 
 private:
-  ControlServer(std::string path, UniqueFd listener, UniqueFd wake, Clock& clock, Handler handler);
+  ControlServer(std::string path, UniqueFd listener, UniqueFd wake, Clock& clock)
+      : path_(std::move(path)), listener_(std::move(listener)), wake_(std::move(wake)), clock_(clock) {}
   void run();
 
   std::string path_;

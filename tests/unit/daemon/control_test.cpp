@@ -42,9 +42,10 @@ protected:
     start();
   }
   void start() {
-    auto server = ControlServer::start(path_, clock_, [](std::string_view request) { return answer(request, sample_status); });
+    auto server = ControlServer::listen(path_, clock_);
     ASSERT_TRUE(server) << server.assume_error().context;
     server_ = std::move(server).assume_value();
+    server_->serve([](std::string_view request) { return answer(request, sample_status); });
   }
   [[nodiscard]] UniqueFd raw_connection() const {
     auto address = socket_address(path_);
@@ -99,7 +100,7 @@ TEST_F(Control, SocketModeAndRemoval) {
 }
 
 TEST_F(Control, SecondServerIsRefusedWhileTheFirstLives) {
-  auto second = ControlServer::start(path_, clock_, [](std::string_view) { return std::string(); });
+  auto second = ControlServer::listen(path_, clock_);
   ASSERT_FALSE(second);
   EXPECT_EQ(second.assume_error().code, Errc::unavailable);
   EXPECT_TRUE(request(path_, R"({"command":"status"})")) << "the first one still serves";
@@ -119,7 +120,7 @@ TEST_F(Control, StaleSocketIsReplaced) {
 TEST_F(Control, OtherFilesAreNotReplaced) {
   server_.reset();
   const UniqueFd file(::open(path_.c_str(), O_CREAT | O_WRONLY, 0600));
-  auto server = ControlServer::start(path_, clock_, [](std::string_view) { return std::string(); });
+  auto server = ControlServer::listen(path_, clock_);
   ASSERT_FALSE(server);
   EXPECT_EQ(server.assume_error().code, Errc::exists);
 }
