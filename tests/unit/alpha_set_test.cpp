@@ -57,7 +57,7 @@ TEST(Calibrator, FinestGeometricLevelIsAboveTheNoise) {
   GroupRanks ranks;
   for (const double sigma : {5.0, 20.0}) {
     Calibrator calibrator(LevelSpec{});
-    const LineGroup group = noisy_group(random, sigma, 3000);
+    const LineGroup group = noisy_group(random, sigma, 0);
     rank_group(ranker, group, ranks);
     const AlphaSet& alpha = calibrator.next(group, ranks, kMicrometre);
     ASSERT_EQ(alpha.tolerances.size(), 3U);
