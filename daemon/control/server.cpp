@@ -30,7 +30,7 @@ struct Client {
 };
 
 /// Answers the requests that stand in `in`, one after the other, until a reply cannot be sent at once. False: hang up.
-bool serve(Client& client, const ControlServer::Handler& handler, SteadyNs now) {
+bool reply_to(Client& client, const ControlServer::Handler& handler, SteadyNs now) {
   for (;;) {
     while (client.writing()) {
       const ssize_t sent =
@@ -154,7 +154,7 @@ void ControlServer::run() {
       const short events = ready > 0 ? entries[i + 2].revents : short{0};
       bool keep = now - client.last_progress < kPatience;
       if (keep && (events & POLLIN) != 0) keep = receive(client, now);
-      if (keep && events != 0) keep = serve(client, handler_, now);
+      if (keep && events != 0) keep = reply_to(client, handler_, now);
       if (keep && (events & (POLLERR | POLLNVAL)) != 0) keep = false;
       if (!keep) client.fd.reset();
     }
