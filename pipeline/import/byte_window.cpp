@@ -20,7 +20,8 @@ Result<ByteWindow> ByteWindow::open(const Member& member) {
     if (!window.owned_) return system_error(member.name + ": cannot be opened; check the path and its permissions", errno);
     window.fd_ = window.owned_.get();
   }
-  window.buffer_.resize(kWindow + 1);
+  // Scans of ten thousand small files are common: no more than the file needs.
+  window.buffer_.resize(static_cast<std::size_t>(std::min<std::uint64_t>(kWindow, member.size)) + 1);
   window.begin_ = window.end_ = window.buffer_.data();
   return window;
 }
@@ -31,7 +32,7 @@ Result<void> ByteWindow::fill(std::size_t want) {
   std::memmove(buffer_.data(), begin_, kept);
   begin_ = buffer_.data();
   end_ = begin_ + kept;
-  const auto room = static_cast<std::size_t>(std::min<std::uint64_t>(kWindow - kept, size_ - read_));
+  const auto room = static_cast<std::size_t>(std::min<std::uint64_t>(buffer_.size() - 1 - kept, size_ - read_));
   SCANSION_TRY(n, read_at(fd_, offset_ + read_, std::as_writable_bytes(std::span(end_, room)), name_));
   if (n != room) return fail(Errc::io, name_, ": became shorter while it was read; wait until it is complete and start again");
   end_ += n;
