@@ -142,6 +142,7 @@ Result<std::uint64_t> finish_in_place_with(const std::string& path, const GroupI
   SCANSION_TRY(file, File::open_update(path));
   SCANSION_TRY(size, file.size());
   Window window(file, size);
+  SCANSION_TRY(read_head(window)); // a footer alone makes no recording
   SCANSION_TRY(finished, ends_with_footer(window));
   if (finished) return std::uint64_t{0};
 

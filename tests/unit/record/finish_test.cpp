@@ -36,6 +36,17 @@ TEST(FinishInPlace, FinishedRecordingIsLeftAlone) {
   EXPECT_EQ(read_file(folder / "a.mcap"), before);
 }
 
+TEST(FinishInPlace, OtherFilesAreRefused) {
+  const Folder folder;
+  make(folder / "a.mcap", {});
+  Bytes bytes = read_file(folder / "a.mcap");
+  bytes[0] = std::byte{0}; // what is left ends with a footer
+  write_file(folder / "a.mcap", bytes);
+  EXPECT_EQ(finish_in_place_with(folder / "a.mcap", inspector()).error().code, Errc::undecodable);
+  EXPECT_EQ(finish_in_place_with(folder / "none", inspector()).error().code, Errc::not_found);
+  EXPECT_EQ(read_file(folder / "a.mcap"), bytes);
+}
+
 TEST(FinishInPlace, GivesTheBytesOfAWriterThatWasNotKilled) {
   const Folder folder;
   Plan plan{.groups = 300, .body = 10, .gap_after_first = true};
