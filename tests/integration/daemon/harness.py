@@ -203,4 +203,8 @@ class DaemonTest(unittest.TestCase):
         result = subprocess.run([TOOL, "export", path, "--format", "xyz", "-o", "-"], capture_output=True, text=True)
         self.assertEqual(result.returncode, 0, result.stderr)
         got = [tuple(map(float, row.split())) for row in result.stdout.splitlines() if row and not row.startswith("#")]
-        self.assertEqual(got, [tuple(map(float, point)) for line in scan for point in line])
+        want = [tuple(map(float, point)) for line in scan for point in line]
+        # assertEqual would look for the difference of two long lists for hours.
+        different = next((i for i, (a, b) in enumerate(zip(got, want)) if a != b), None)
+        self.assertIsNone(different, f"point {different}: {got[different or 0:][:1]} instead of {want[different or 0:][:1]}")
+        self.assertEqual(len(got), len(want))
