@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/model/lattice.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <numeric>
@@ -44,11 +45,11 @@ int bit_width(uint128 v) noexcept {
 double divide_rounded(uint128 numerator, std::uint64_t denominator, int precision) noexcept {
   if (numerator == 0) return 0.0;
   const int have = bit_width(numerator) - bit_width(denominator);
-  const int shift = have < precision + 2 ? precision + 2 - have : 0; // the quotient then has at least precision + 1 bits
+  const int shift = have < precision + 2 ? precision + 2 - have : 0; // the quotient then has at least precision + 2 bits
   const uint128 scaled = numerator << static_cast<unsigned>(shift);
   uint128 quotient = scaled / denominator;
   const bool sticky = scaled % denominator != 0;
-  const int drop = bit_width(quotient) - precision;
+  const int drop = std::max(bit_width(quotient) - precision, 1); // at least 2, in fact
   const uint128 half = uint128{1} << static_cast<unsigned>(drop - 1);
   const uint128 rest = quotient & (2 * half - 1);
   quotient >>= static_cast<unsigned>(drop);
