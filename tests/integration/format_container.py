@@ -1,0 +1,306 @@
+# Reads the MCAP side of a recording, written from docs/FORMAT.md and the MCAP specification alone.
+# SPDX-License-Identifier: Apache-2.0
+"""A second opinion on the container: every record but the payloads is built again and compared with the file.
+
+`read_container` gives the metadata, the groups' payloads and the gap messages, or raises FormatError with the byte offset.
+Shares no code with the programs; the payloads are format_reader.py's.
+"""
+import json
+import struct
+import zlib
+from dataclasses import dataclass, field
+
+MAGIC = b"\x89MCAP0\r\n"
+HEADER, FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, MESSAGE_INDEX, CHUNK_INDEX = range(1, 9)
+STATISTICS, METADATA, METADATA_INDEX, SUMMARY_OFFSET, DATA_END = range(11, 16)
+CHUNK_LIMIT = 192 << 20
+SMALL_LIMIT = 64 << 10
+METADATA_STRIDE = 256  # groups between two copies of the metadata
+
+FACTS = ("format device stream unit resolution origin source exact levels level_count stored_levels rounding_mm gap_mm "
+         "started_ns").split()
+TOTALS = "lines points runs invalid gaps groups rounding_mm ended_ns".split()
+OPTIONAL = {"gap_mm", "started_ns", "ended_ns"}
+
+
+class FormatError(Exception):
+    """The bytes are not what docs/FORMAT.md says."""
+
+
+def need(condition, reason):
+    if not condition:
+        raise FormatError(reason)
+
+
+def _crc32c_table():
+    table = []
+    for byte in range(256):
+        for _ in range(8):
+            byte = byte >> 1 ^ (0x82F63B78 if byte & 1 else 0)
+        table.append(byte)
+    return table
+
+
+def crc32c(data, table=_crc32c_table()):
+    crc = 0xFFFFFFFF
+    for byte in data:
+        crc = table[(crc ^ byte) & 0xFF] ^ crc >> 8
+    return crc ^ 0xFFFFFFFF
+
+
+def text(value):
+    data = value.encode()
+    return struct.pack("<I", len(data)) + data
+
+
+def record(opcode, content):
+    return struct.pack("<BQ", opcode, len(content)) + content
+
+
+class Fields:
+    """Takes the fields of one record's content, front to back."""
+
+    def __init__(self, content, where):
+        self.content, self.where, self.at = bytes(content), where, 0
+
+    def take(self, size):
+        need(self.at + size <= len(self.content), f"{self.where}: ends after {len(self.content)} bytes")
+        self.at += size
+        return self.content[self.at - size:self.at]
+
+    def number(self, code):
+        return struct.unpack("<" + code, self.take(struct.calcsize("<" + code)))[0]
+
+    def sized(self, code="I"):
+        return self.take(self.number(code))
+
+    def text(self):
+        return self.sized().decode()
+
+    def end(self):
+        need(self.at == len(self.content), f"{self.where}: {len(self.content) - self.at} bytes too many")
+
+
+@dataclass
+class Container:
+    facts: dict = None  # metadata `scansion`
+    totals: dict = None  # metadata `scansion.end`; None: unfinished
+    groups: list = field(default_factory=list)  # [(sequence, log time, [payload, ...])]
+    gaps: list = field(default_factory=list)  # the JSON objects
+
+
+def records(data, start):
+    """(offset, opcode, content) up to the first record that is cut off."""
+    at = start
+    while at + 9 <= len(data):
+        opcode, size = struct.unpack_from("<BQ", data, at)
+        if at + 9 + size > len(data):
+            return
+        yield at, opcode, data[at + 9:at + 9 + size]
+        at += 9 + size
+
+
+def parse_metadata(content, where, keys):
+    fields = Fields(content, where)
+    fields.text()
+    entries = Fields(fields.sized(), where)
+    fields.end()
+    values, checked = {}, 0
+    while entries.at < len(entries.content):
+        checked = entries.at
+        key = entries.text()
+        values[key] = entries.text()
+    crc = crc32c(entries.content[:checked])
+    need(list(values) and list(values)[-1] == "crc32c", f"{where}: the last entry is not crc32c")
+    need(values.pop("crc32c") == f"{crc:08x}", f"{where}: crc32c is wrong")
+    wanted = [key for key in keys if key in values or key not in OPTIONAL]
+    need(list(values) == wanted and "" not in values.values(), f"{where}: entries {list(values)}, want {wanted}")
+    return values
+
+
+def channels(facts):
+    """[(id, topic, message encoding, schema id)] that follow from the metadata."""
+    count, stored = int(facts["level_count"]), int(facts["stored_levels"])
+    need(1 <= count <= 16 and 1 <= stored <= count + 1, f"{stored} of {count} + 1 levels are stored")
+    names = ["lines"] + [f"lod{k}" for k in range(count)] + ["rest"]
+    rows = [(i + 1, f"scan/{facts['device']}/{name}", "scansion", 2 if i else 1) for i, name in enumerate(names)]
+    return rows[:stored + 1] + [(count + 3, f"scan/{facts['device']}/gaps", "json", 3)]
+
+
+class Checker:
+    """Walks the records, keeps what the summary must say, and compares every record with the one built again."""
+
+    def __init__(self, data):
+        self.data = data
+        self.out = Container()
+        self.names, self.schemas, self.channels, self.metadata_record = {}, [], [], b""
+        self.chunks, self.metadata, self.counts, self.times = [], [], {}, []
+        self.metadata_due = False
+
+    def expect(self, at, wanted, what):
+        have = self.data[at:at + len(wanted)]
+        if have == wanted:
+            return at + len(wanted)
+        first = next((i for i, (a, b) in enumerate(zip(have, wanted)) if a != b), len(have))
+        raise FormatError(f"byte {at + first}: {what} is not what the metadata and the payloads ask for: "
+                          f"{have[first:first + 16].hex(' ')}, want {wanted[first:first + 16].hex(' ')}")
+
+    def head(self):
+        """Header, Schemas, Channels, Metadata. The schemas' texts are free but for ids, names and encodings."""
+        wanted = MAGIC + record(HEADER, text("scansion") + text("scansion 1"))
+        at = self.expect(0, wanted, "the head")
+        named = [(1, "scansion.Lines", "scansion"), (2, "scansion.Level", "scansion"), (3, "scansion.Gap", "jsonschema")]
+        have = []
+        for offset, opcode, content in records(self.data, at):
+            end = offset + 9 + len(content)
+            if opcode == SCHEMA:
+                fields = Fields(content, f"byte {offset}: schema")
+                have.append((fields.number("H"), fields.text(), fields.text()))
+                need(fields.sized(), f"byte {offset}: schema without data")
+                fields.end()
+                self.schemas.append(self.data[offset:end])
+            elif opcode == CHANNEL:
+                self.channels.append(self.data[offset:end])
+            else:
+                need(opcode == METADATA, f"byte {offset}: opcode {opcode} in the head")
+                need(have == named, f"byte {at}: schemas {have}, want {named}")
+                self.out.facts = parse_metadata(content, f"byte {offset}: metadata scansion", FACTS)
+                self.metadata_record = self.built_metadata("scansion", self.out.facts)
+                rows = channels(self.out.facts)
+                built = [record(CHANNEL, struct.pack("<HH", i, schema) + text(topic) + text(encoding) + struct.pack("<I", 0))
+                         for i, topic, encoding, schema in rows]
+                self.expect(at, b"".join(self.schemas + built) + self.metadata_record, "the head")
+                self.channels = built
+                self.names = {row[0]: row[1].rsplit("/", 1)[1] for row in rows}
+                self.metadata.append((offset, end - offset, "scansion"))
+                return end
+        raise FormatError("the head is cut off: no metadata, nothing can be read")
+
+    @staticmethod
+    def built_metadata(name, values):
+        entries = b"".join(text(key) + text(value) for key, value in values.items())
+        entries += text("crc32c") + text(f"{crc32c(entries):08x}")
+        return record(METADATA, text(name) + struct.pack("<I", len(entries)) + entries)
+
+    def chunk(self, at, content):
+        """One group or one gap message; gives the offset behind its message indexes, or None if those are cut off."""
+        where = f"byte {at}: chunk"
+        need(len(content) <= CHUNK_LIMIT, f"{where} of {len(content)} bytes")
+        fields = Fields(content, where)
+        fields.take(24)
+        crc, compression, inner = fields.number("I"), fields.text(), fields.sized("Q")
+        fields.end()
+        need(compression == "", f"{where}: compression {compression}")
+        need(crc == zlib.crc32(inner), f"{where}: uncompressed_crc is wrong")
+        messages, used = [], 0
+        for offset, opcode, message in records(inner, 0):
+            need(opcode == MESSAGE, f"{where}: opcode {opcode} inside")
+            channel, sequence, log_time, publish_time = struct.unpack_from("<HIQQ", message)
+            need(log_time == publish_time, f"{where}: log_time {log_time}, publish_time {publish_time}")
+            messages.append((offset, channel, sequence, log_time, message[22:]))
+            used = offset + 9 + len(message)
+        need(used == len(inner) and messages, f"{where}: {len(inner) - used} bytes are no message")
+        log_time = messages[0][3]
+        need(all(message[3] == log_time for message in messages), f"{where}: messages of different times")
+        self.messages(where, messages)
+        body = struct.pack("<QQQI", log_time, log_time, len(inner), zlib.crc32(inner)) + text("")
+        built = record(CHUNK, body + struct.pack("<Q", len(inner)) + inner)
+        end = self.expect(at, built, "the chunk")
+        indexes = [record(MESSAGE_INDEX, struct.pack("<HIQQ", channel, 16, log_time, offset))
+                   for offset, channel, _, _, _ in messages]
+        if end + sum(map(len, indexes)) > len(self.data):
+            return None
+        starts = [end + sum(map(len, indexes[:i])) for i in range(len(indexes))]
+        places = b"".join(struct.pack("<HQ", message[1], start) for message, start in zip(messages, starts))
+        done = self.expect(end, b"".join(indexes), "a message index")
+        self.chunks.append(record(CHUNK_INDEX, struct.pack("<QQQQ", log_time, log_time, at, len(built)) + struct.pack(
+            "<I", len(places)) + places + struct.pack("<Q", done - end) + text("") + struct.pack("<QQ", len(inner), len(inner))))
+        self.times.append(log_time)
+        for message in messages:
+            self.counts[message[1]] = self.counts.get(message[1], 0) + 1
+        return done
+
+    def messages(self, where, messages):
+        names = [self.names.get(message[1]) for message in messages]
+        sequences = {message[2] for message in messages}
+        if names == ["gaps"]:
+            need(sequences == {len(self.out.gaps)}, f"{where}: gap message {sequences}, want {len(self.out.gaps)}")
+            need(len(messages[0][4]) <= SMALL_LIMIT, f"{where}: gap message of {len(messages[0][4])} bytes")
+            gap = json.loads(messages[0][4])
+            need(list(gap) == ["first", "count", "reason"], f"{where}: gap with the keys {list(gap)}")
+            self.out.gaps.append(gap)
+            return
+        need(names == [name for name in self.names.values() if name != "gaps"], f"{where}: messages {names}")
+        need(len(sequences) == 1, f"{where}: messages of the groups {sequences}")
+        self.out.groups.append((sequences.pop(), messages[0][3], [message[4] for message in messages]))
+        self.metadata_due = (len(self.out.groups) - 1) % METADATA_STRIDE == 0
+
+    def data_section(self, at):
+        """Gives the offset of the summary, or None when the recording is unfinished."""
+        while at is not None:
+            found = next(records(self.data, at), None)
+            if found is None:
+                return None
+            _, opcode, content = found
+            if self.metadata_due:
+                self.metadata.append((at, len(self.metadata_record), "scansion"))
+                at, self.metadata_due = self.expect(at, self.metadata_record, "the copy of the metadata"), False
+            elif opcode == CHUNK:
+                at = self.chunk(at, content)
+            elif opcode == METADATA:
+                return self.end_of_data(at)
+            else:
+                raise FormatError(f"byte {at}: opcode {opcode} in the data section")
+        return None
+
+    def end_of_data(self, at):
+        end = at + len(self.metadata_record)
+        self.metadata.append((at, len(self.metadata_record), "scansion"))
+        self.expect(at, self.metadata_record, "the last copy of the metadata")
+        found = next(records(self.data, end), None)
+        if found is None:
+            return None
+        _, opcode, content = found
+        need(opcode == METADATA, f"byte {end}: opcode {opcode} where scansion.end should stand")
+        totals = parse_metadata(content, f"byte {end}: metadata scansion.end", TOTALS)
+        built = self.built_metadata("scansion.end", totals)
+        self.metadata.append((end, len(built), "scansion.end"))
+        at = self.expect(end, built, "metadata scansion.end")
+        built = record(DATA_END, struct.pack("<I", zlib.crc32(self.data[:at])))
+        if at + len(built) > len(self.data):
+            return None
+        self.out.totals = totals
+        return self.expect(at, built, "DataEnd")
+
+    def summary(self, start):
+        """False when the file ends inside."""
+        times = self.times or [0]
+        counts = b"".join(struct.pack("<HQ", i, count) for i, count in sorted(self.counts.items()))
+        statistics = struct.pack("<QHIIIIQQ", sum(self.counts.values()), len(self.schemas), len(self.channels), 0,
+                                 len(self.metadata), len(self.chunks), min(times), max(times))
+        indexes = [record(METADATA_INDEX, struct.pack("<QQ", offset, size) + text(name)) for offset, size, name in self.metadata]
+        parts = [(SCHEMA, self.schemas), (CHANNEL, self.channels),
+                 (STATISTICS, [record(STATISTICS, statistics + struct.pack("<I", len(counts)) + counts)]),
+                 (CHUNK_INDEX, self.chunks), (METADATA_INDEX, indexes)]
+        built, offsets = b"", b""
+        for opcode, rows in parts:
+            if rows:
+                part = b"".join(rows)
+                offsets += record(SUMMARY_OFFSET, struct.pack("<BQQ", opcode, start + len(built), len(part)))
+                built += part
+        footer = struct.pack("<BQQQ", FOOTER, 20, start, start + len(built))
+        built += offsets + footer
+        built += struct.pack("<I", zlib.crc32(built)) + MAGIC
+        left = len(self.data) - start
+        self.expect(start, built[:left], "the summary")
+        need(left <= len(built), f"byte {start + len(built)}: {left - len(built)} bytes behind the end")
+        return left == len(built)
+
+
+def read_container(data):
+    """Checks the whole file. An unfinished one gives its whole chunks and `totals` None."""
+    checker = Checker(data)
+    summary = checker.data_section(checker.head())
+    if summary is None or not checker.summary(summary):
+        checker.out.totals = None
+    return checker.out
