@@ -54,19 +54,17 @@ struct Importer::Impl {
   LineBuilder builder;
   ImportCounts counts;
   bool complete = false; ///< the survey saw all of the input
-  bool too_wide = false; ///< the last error was a run of too many counts
   std::optional<Error> failed;
 
 private:
   Result<void> find_third_column(bool whole);
   Result<void> survey_points(bool whole, Survey& survey);
-  Result<bool> fits_all_runs();
   Result<void> use_exact(const Survey& survey, bool whole);
   Result<bool> holds_only_singles(bool whole);
   void rewind();
   Result<void> add_point(const Sample& sample);
   Error misfit(const Sample& sample, std::size_t axis, bool for_good) const;
-  Error not_added(const Sample& sample, LineBuilder::Added added);
+  [[nodiscard]] Error too_long(const Sample& sample) const;
 
   std::span<const Sample> block;
   std::size_t at = 0;
@@ -137,12 +135,7 @@ Result<void> Importer::Impl::survey(bool whole) {
   Survey survey(options);
   SCANSION_TRY(survey_points(whole, survey));
   SCANSION_TRY(use(survey.choose()));
-  bool exact = lattice.exact;
-  if (complete && !exact && survey.wide()) {
-    SCANSION_TRY(fits, fits_all_runs());
-    exact = !fits;
-  }
-  if (!exact || !std::holds_alternative<ResolutionAuto>(options.resolution)) return success();
+  if (!lattice.exact || !std::holds_alternative<ResolutionAuto>(options.resolution)) return success();
   return use_exact(survey, whole);
 }
 
@@ -192,19 +185,6 @@ void Importer::Impl::rewind() {
   failed.reset();
 }
 
-/// Reads all lines once, for runs that span too many counts.
-Result<bool> Importer::Impl::fits_all_runs() {
-  LineBuffer line;
-  too_wide = false;
-  for (;;) {
-    auto more = next(line);
-    if (!more && !too_wide) return std::move(more).error();
-    if (more && more.value()) continue;
-    rewind();
-    return !too_wide;
-  }
-}
-
 Result<bool> Importer::Impl::next(LineBuffer& line) {
   builder.begin(line);
   for (;;) {
@@ -221,7 +201,7 @@ Result<bool> Importer::Impl::next(LineBuffer& line) {
         SCANSION_TRY(add_point(sample));
       } break;
       case SampleKind::invalid:
-        if (const auto added = builder.add_invalid(); added != LineBuilder::Added::ok) return not_added(sample, added);
+        if (builder.add_invalid() != LineBuilder::Added::ok) return too_long(sample);
         ++counts.invalid;
         break;
       case SampleKind::missing: ++counts.missing; break;
@@ -241,7 +221,7 @@ Result<void> Importer::Impl::add_point(const Sample& sample) {
   std::array<std::int64_t, 3> ulps{};
   for (std::size_t axis = 0; axis < 3; ++axis)
     if (!quantizer.place(sample.xyz[axis], axis, place[axis], ulps[axis])) return misfit(sample, axis, complete);
-  if (const auto added = builder.add(place, ulps); added != LineBuilder::Added::ok) return not_added(sample, added);
+  if (builder.add(place, ulps) != LineBuilder::Added::ok) return too_long(sample);
   return success();
 }
 
@@ -255,17 +235,9 @@ Error Importer::Impl::misfit(const Sample& sample, std::size_t axis, bool for_go
   return {Errc::finer, what + " does not fit the lattice of the values before it; survey the whole input first"};
 }
 
-Error Importer::Impl::not_added(const Sample& sample, LineBuilder::Added added) {
-  const std::string where = stream.where(sample.place);
-  if (added == LineBuilder::Added::line_too_long)
-    return {Errc::out_of_range, where + ": a scan line of more than " + std::to_string(kMaxLinePoints) +
-                                    " samples; is a blank line between scan lines missing?"};
-  too_wide = true;
-  const bool given = std::holds_alternative<ResolutionGiven>(options.resolution);
-  if (given || complete)
-    return {Errc::out_of_range,
-            where + ": a run spans 2^30 counts of the resolution or more; use a coarser resolution, or a gap"};
-  return {Errc::finer, where + ": a run spans too many counts of the lattice; survey the whole input first"};
+Error Importer::Impl::too_long(const Sample& sample) const {
+  return {Errc::out_of_range, stream.where(sample.place) + ": a scan line of more than " + std::to_string(kMaxLinePoints) +
+                                  " samples; is a blank line between scan lines missing?"};
 }
 
 Importer::Importer(std::unique_ptr<Impl> impl) noexcept : impl_(std::move(impl)) {}

@@ -40,11 +40,8 @@ void LineBuilder::begin(LineBuffer& line) noexcept {
 LineBuilder::Added LineBuilder::add(const std::array<std::int32_t, 3>& counts, const std::array<std::int64_t, 3>& ulps) {
   if (samples_ == kMaxLinePoints) return Added::line_too_long;
   if (run_open_ && gap_squared_ && is_gap(counts)) run_open_ = false;
-  if (!run_open_) start_run(counts);
+  if (!run_open_) start_run();
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    least_[axis] = std::min(least_[axis], counts[axis]);
-    most_[axis] = std::max(most_[axis], counts[axis]);
-    if (std::int64_t{most_[axis]} - least_[axis] >= kMaxRunSpan) return Added::run_too_wide;
     line_->xyz[axis].push_back(counts[axis]);
     if (exact_) line_->ulp[axis].push_back(ulps[axis]);
   }
@@ -54,11 +51,10 @@ LineBuilder::Added LineBuilder::add(const std::array<std::int32_t, 3>& counts, c
   return Added::ok;
 }
 
-void LineBuilder::start_run(const std::array<std::int32_t, 3>& counts) {
+void LineBuilder::start_run() {
   line_->runs.push_back(Run{.first = static_cast<std::uint32_t>(line_->points()), .count = 0, .invalid_before = invalid_});
   invalid_ = 0;
   run_open_ = true;
-  least_ = most_ = counts;
 }
 
 bool LineBuilder::is_gap(const std::array<std::int32_t, 3>& counts) const noexcept {

@@ -16,7 +16,7 @@ public:
   /// `gap_mm`: a longer step starts a new run.
   LineBuilder(bool exact, std::optional<double> gap_mm, Rational resolution_mm);
 
-  enum class Added : std::uint8_t { ok, run_too_wide, line_too_long };
+  enum class Added : std::uint8_t { ok, line_too_long };
 
   void begin(LineBuffer& line) noexcept;
   [[nodiscard]] Added add(const std::array<std::int32_t, 3>& counts, const std::array<std::int64_t, 3>& ulps);
@@ -27,7 +27,7 @@ public:
 
 private:
   [[nodiscard]] bool is_gap(const std::array<std::int32_t, 3>& counts) const noexcept;
-  void start_run(const std::array<std::int32_t, 3>& counts);
+  void start_run();
 
   bool exact_ = false;
   std::optional<long double> gap_squared_; ///< counts squared
@@ -35,7 +35,7 @@ private:
   std::uint32_t samples_ = 0;
   std::uint32_t invalid_ = 0; ///< since the last run
   bool run_open_ = false;
-  std::array<std::int32_t, 3> last_{}, least_{}, most_{}; ///< of the open run
+  std::array<std::int32_t, 3> last_{}; ///< of the open run
 };
 
 } // namespace scansion

@@ -193,11 +193,4 @@ bool Survey::only_decimals() const noexcept {
   return kinds_ == bit_of(NumberKind::decimal);
 }
 
-bool Survey::wide() const noexcept {
-  if (mode_ != Mode::decimals) return false;
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    if (span_of(least_[axis], most_[axis]) >= static_cast<std::uint64_t>(kMaxRunSpan)) return true;
-  return false;
-}
-
 } // namespace scansion

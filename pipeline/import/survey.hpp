@@ -24,8 +24,6 @@ public:
   /// The same with all values as `source`, into which they must fit.
   [[nodiscard]] Lattice exact(Source source) const;
   [[nodiscard]] bool only_decimals() const noexcept;
-  /// Some axis spans so many counts of `choose()` that a run may span too many.
-  [[nodiscard]] bool wide() const noexcept;
 
 private:
   enum class Mode : std::uint8_t { decimals, bits, given };

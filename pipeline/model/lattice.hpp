@@ -63,7 +63,4 @@ struct Lattice {
 [[nodiscard]] std::int64_t ulps_between(Source source, double from, double to) noexcept;
 [[nodiscard]] double step_ulps(Source source, double from, std::int64_t ulps) noexcept;
 
-/// A run spans less than this many counts on each axis (keeps every decision of the ranking exact in 128 bits).
-inline constexpr std::int64_t kMaxRunSpan = std::int64_t{1} << 30;
-
 } // namespace scansion
