@@ -39,15 +39,6 @@ void check_line(const LineBuffer& line, const Lattice& lattice) {
     require(run.first == points && run.count > 0, "runs follow each other and are not empty");
     points += run.count;
     invalid += run.invalid_before;
-    for (const auto& axis : line.xyz) {
-      std::int64_t least = axis[run.first];
-      std::int64_t most = least;
-      for (std::size_t i = run.first; i < points; ++i) {
-        least = std::min<std::int64_t>(least, axis[i]);
-        most = std::max<std::int64_t>(most, axis[i]);
-      }
-      require(most - least < kMaxRunSpan, "a run spans less than kMaxRunSpan");
-    }
   }
   require(points == line.points() && points + invalid > 0, "runs cover all points; no line is empty");
   for (std::size_t axis = 0; axis < 3; ++axis) {
