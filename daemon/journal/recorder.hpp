@@ -57,6 +57,8 @@ public:
   void add(Gap gap);
   /// No more groups may be added now: wait until next_deadline(), tick(), ask again.
   [[nodiscard]] bool full() const noexcept { return pending_bytes_ >= settings_.pending_bytes; }
+  /// Groups are pending because the disk refuses them.
+  [[nodiscard]] bool is_blocked() const noexcept { return !status_.blocked.empty(); }
   /// Tries refused groups again, syncs, rotates: whatever is due.
   void tick();
   /// When tick() has something to do; kNever: not before something is added.

@@ -48,22 +48,12 @@ bool LineQueue::pop(QueueItem& item, SteadyNs deadline) {
   return true;
 }
 
-void LineQueue::wait(SteadyNs deadline) {
-  std::unique_lock lock(mutex_);
-  while (!closed_ && clock_.steady_ns() < deadline) clock_.wait_until(lock, changed_, deadline);
-}
-
 void LineQueue::close() {
   {
     const std::lock_guard lock(mutex_);
     closed_ = true;
   }
   changed_.notify_all();
-}
-
-bool LineQueue::closed() const {
-  const std::lock_guard lock(mutex_);
-  return closed_;
 }
 
 bool LineQueue::drained() const {

@@ -37,11 +37,8 @@ public:
   [[nodiscard]] bool push(QueueItem& item);
   /// Swaps the oldest item out. Waits until `deadline`; false: there is none. Items pushed before close() still come.
   [[nodiscard]] bool pop(QueueItem& item, SteadyNs deadline);
-  /// Waits until `deadline` or close() without taking anything: for a consumer that cannot take more now.
-  void wait(SteadyNs deadline);
   /// No further push succeeds; both sides wake up.
   void close();
-  [[nodiscard]] bool closed() const;
   /// Closed and empty: nothing will ever come.
   [[nodiscard]] bool drained() const;
 

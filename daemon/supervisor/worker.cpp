@@ -15,14 +15,13 @@ public:
 
   void run() {
     QueueItem item;
-    while (!shared_.queue.drained()) {
+    while (is_ending_ || !shared_.queue.drained()) {
       const SteadyNs deadline = next_deadline();
-      if (recorder_ && recorder_->full()) {
-        if (shared_.queue.closed()) break; // stopping on a full disk: finish() tries once more
-        shared_.queue.wait(deadline);
-      } else if (shared_.queue.pop(item, deadline)) {
+      // When stopping, the queue is emptied whatever the disk says: its bound is small, and the run's end tries once more.
+      if (must_wait() && !shared_.stopping())
+        static_cast<void>(shared_.sleep_until(deadline));
+      else if (!is_ending_ && shared_.queue.pop(item, deadline))
         take(item);
-      }
       tick();
     }
     end_run();
@@ -30,6 +29,9 @@ public:
   }
 
 private:
+  /// Nothing more may be taken from the queue before the disk has taken what is pending.
+  [[nodiscard]] bool must_wait() const { return recorder_ && (is_ending_ || recorder_->full()); }
+
   [[nodiscard]] SteadyNs next_deadline() const {
     SteadyNs deadline = shared_.clock.steady_ns() + kBeat;
     if (recorder_) deadline = std::min(deadline, recorder_->next_deadline());
@@ -47,7 +49,8 @@ private:
       case QueueItem::Kind::gap: take_gap(item.gap); break;
       case QueueItem::Kind::end:
         note_rounding(item);
-        end_run();
+        close_group();
+        is_ending_ = true;
         break;
     }
   }
@@ -94,6 +97,7 @@ private:
   }
 
   void end_run() {
+    is_ending_ = false;
     close_group();
     if (!recorder_) return;
     recorder_->finish();
@@ -108,6 +112,8 @@ private:
       recorder_->tick();
       publish();
     }
+    // The run ends when its last group is written: a source that came to its end costs nothing to wait for.
+    if (is_ending_ && (shared_.stopping() || !recorder_ || !recorder_->is_blocked())) end_run();
     SteadyNs oldest = builder_.empty() ? kNever : group_since_;
     if (recorder_) oldest = std::min(oldest, recorder_->oldest_unwritten());
     shared_.oldest_unwritten = oldest;
@@ -142,6 +148,7 @@ private:
   GroupBuilder builder_;
   LineGroup group_;
   SteadyNs group_since_ = 0;
+  bool is_ending_ = false; ///< the device's run is over, its recording not yet
   std::optional<RunRecorder> recorder_;
   RecorderStatus before_; ///< sums over the runs that ended
 };

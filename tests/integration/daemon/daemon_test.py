@@ -308,7 +308,10 @@ class DiskFull(DaemonTest):
         device = daemon.until(lambda: (d := daemon.device()) and d["blocked"] and d, "blocked")
         self.assertIn("min_free_mb", device["blocked"])
         self.assertEqual(daemon.files(), [])
+        time.sleep(1.2)
+        self.assertEqual(daemon.device()["lost_lines"], 0, "a scan at its end waits for the disk")
         daemon.stop(self)
+        self.assertIn("200 lines in 4 groups are lost", daemon.log_text())
 
 
 class Reload(DaemonTest):

@@ -124,6 +124,12 @@ TEST(Config, SyntaxErrorHasItsPlace) {
   EXPECT_EQ(error_of("a = 1\na = 2\n").substr(0, 9), "c.toml:2:");
 }
 
+/// Both ended in an assertion of the parser once.
+TEST(Config, StrangeTableHeadsAreErrors) {
+  EXPECT_EQ(error_of("[.a]\n").substr(0, 9), "c.toml:1:");
+  EXPECT_EQ(error_of("\n[[[a]]]\n").substr(0, 9), "c.toml:2:");
+}
+
 TEST(Config, PrintedFormReadsBackTheSame) {
   auto first = parse_config("[recording]\ngroup_ms = 20\n[control]\nsocket = \"/a \\\"b\\\"\"\n[[device]]\nname = \"x\"\n"
                             "driver = \"replay\"\nfile = \"\\u00e9\\\\\"\ngap = 3\nrate = 12.5\n",

@@ -210,6 +210,34 @@ TEST_F(Session, FullDiskHoldsUpARecordedSourceWithoutLoss) {
   EXPECT_EQ(session_->status().blocked, "");
 }
 
+/// The source is at its end before the disk takes anything: its run ends only when all is written.
+TEST_F(Session, FullDiskAtTheEndOfASourceLosesNothing) {
+  disk_.full = true;
+  start(recorded(300), manual_);
+  ASSERT_TRUE(is_in("finished"));
+  ASSERT_TRUE(eventually([&] { return session_->status().pending_groups == 5; }));
+  manual_.advance(3 * kSecond);
+  EXPECT_EQ(session_->status().lost_lines, 0U);
+  disk_.full = false;
+  ASSERT_TRUE(eventually([&] {
+    manual_.advance(kSecond);
+    return session_->status().lines_written == 300;
+  }));
+  ASSERT_TRUE(eventually([&] { return disk_.seen()[0].finished; }));
+  EXPECT_EQ(session_->status().lost_lines, 0U);
+}
+
+TEST_F(Session, StopOnAFullDiskCountsWhatIsLost) {
+  settings_.recorder.pending_bytes = 20'000;
+  disk_.full = true;
+  start(recorded(5000), system_);
+  ASSERT_TRUE(eventually([&] { return session_->status().queue_depth == LineQueue::kLines; }));
+  session_->request_stop();
+  ASSERT_TRUE(session_->wait_device(system_.steady_ns() + 10 * kSecond));
+  ASSERT_TRUE(session_->wait_recording(system_.steady_ns() + 10 * kSecond));
+  EXPECT_EQ(session_->status().lost_lines, session_->status().lines);
+}
+
 TEST_F(Session, StopWritesWhatCame) {
   ScriptedDriver::Script script;
   script.next = [done = 0](LineBuffer& line, Gap&) mutable -> Result<Delivery> {
