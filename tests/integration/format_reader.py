@@ -256,7 +256,8 @@ class Group:
         for _ in range(3):
             modes.append(body.byte())
             need(modes[-1] <= 3, f"{body.where}: mode {modes[-1]}")
-            weights.append(struct.unpack("<7h", body.take(14)) if modes[-1] == 0 else None)
+            weights.append([body.signed() for _ in range(7)] if modes[-1] == 0 else None)
+            need(not weights[-1] or all(-32768 <= w <= 32767 for w in weights[-1]), f"{body.where}: weights {weights[-1]}")
         curves = [[value for run in self.runs for value in polyline(u, run)] for u in self.u]
         neighbours = self.neighbours(curves[axis])
         starts = [run.first for run in self.runs for _ in range(len(run))]
@@ -274,7 +275,8 @@ class Group:
             else:
                 j = before.first
                 for i in range(line.first, line.end):
-                    j = self.walk(curve, curve[i], j, before)
+                    if self.level[i] == UNKNOWN:
+                        j = self.walk(curve, curve[i], j, before)
                     out.append((j, before.first, before.end))
             before = line
         return out
@@ -314,15 +316,15 @@ class Group:
 
 
 def ordered(value, form):
-    """The rank of a float or double among all of its kind; next representable numbers are neighbours."""
+    """The rank of a float or double among all of its kind: 0 is +0, -1 is -0, next representable numbers are neighbours."""
     bits = int.from_bytes(struct.pack(">" + form, value), "big")
     top = 1 << 8 * struct.calcsize(form) - 1
-    return bits if bits < top else top - bits
+    return bits if bits < top else top - 1 - bits
 
 
 def from_ordered(rank, form):
     size = struct.calcsize(form)
-    bits = rank if rank >= 0 else (1 << 8 * size - 1) - rank
+    bits = rank if rank >= 0 else (1 << 8 * size - 1) - 1 - rank
     return struct.unpack(">" + form, bits.to_bytes(size, "big"))[0]
 
 
@@ -332,8 +334,14 @@ def nearest(value, form):
     if form == "d":
         return double
     rank = ordered(double, "f")
-    return min((from_ordered(rank + step, "f") for step in (-1, 0, 1)),
-               key=lambda x: (abs(Fraction(x) - value), ordered(x, "f") & 1))
+    return min((from_ordered(rank + step, "f") for step in (0, -1, 1)),
+               key=lambda x: (abs(Fraction(x) - value), struct.pack("<f", x)[0] & 1))
+
+
+def ieee_text(value, form):
+    """The shortest text that gives the same number of the source type."""
+    wanted = struct.pack(form, value)
+    return next(text for text in (f"{value:.{digits}g}" for digits in range(1, 18)) if struct.pack(form, float(text)) == wanted)
 
 
 def decimal(value):
@@ -344,7 +352,7 @@ def decimal(value):
     while rest % 5 == 0:
         rest, fives = rest // 5, fives + 1
     if rest != 1:
-        return repr(value.numerator / value.denominator)
+        return ieee_text(value.numerator / value.denominator, "d")
     places = max(twos, fives)
     digits = f"{abs(value.numerator) * 10 ** places // value.denominator:0{places + 1}}"
     sign = "-" if value < 0 else ""
@@ -352,7 +360,7 @@ def decimal(value):
 
 
 class Recording:
-    """`groups` hold the decoded points; `points(level)` gives them as (line index, [x, y, z]) with exact values."""
+    """`groups` hold the decoded points; `points(level)` gives them as (line index, [x, y, z]), exact."""
 
     def __init__(self, data, level=None):
         try:
@@ -428,11 +436,12 @@ class Recording:
         need(have == said, f"the recording holds {have}, scansion.end says {said}")
 
     def value(self, group, axis, i):
+        """A Fraction, or a float when the recording keeps IEEE values."""
         base, step, _ = group.axes[axis]
         value = (self.origin[axis] + base + step * group.u[axis][i] + group.remainder[axis][i]) * self.resolution
         if not group.residuals:
             return value
-        return Fraction(from_ordered(ordered(nearest(value, self.form), self.form) + group.ulps[axis][i], self.form))
+        return from_ordered(ordered(nearest(value, self.form), self.form) + group.ulps[axis][i], self.form)
 
     def points(self, level=None):
         level = UNKNOWN - 1 if level is None else level
@@ -449,7 +458,7 @@ class Recording:
             if not csv and before not in (None, index):
                 yield ""
             before = index
-            row = [decimal(value) for value in point]
+            row = [ieee_text(x, self.form) if isinstance(x, float) else decimal(x) for x in point]
             yield ",".join(row + [str(index)]) if csv else " ".join(row)
 
 
