@@ -3,16 +3,10 @@
 #include "daemon/config/config.hpp"
 #include "daemon/config/nearest.hpp"
 #include "daemon/config/schema.hpp"
+#include "daemon/config/toml.hpp"
 
 #include <charconv>
 #include <cmath>
-
-// toml++ 3.3 asserts that a table's key starts well, and with clang and NDEBUG tells the optimiser so. "[.a]" and "[[[a]"
-// disprove it; the branch that reports them stands right below. So neither the assertion nor the assumption may be compiled in.
-#undef NDEBUG
-#define TOML_ASSERT(expression) static_cast<void>(0)
-#define TOML_EXCEPTIONS 0
-#include <toml++/toml.h>
 
 namespace scansion {
 namespace {

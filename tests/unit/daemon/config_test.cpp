@@ -124,10 +124,20 @@ TEST(Config, SyntaxErrorHasItsPlace) {
   EXPECT_EQ(error_of("a = 1\na = 2\n").substr(0, 9), "c.toml:2:");
 }
 
-/// Both ended in an assertion of the parser once.
+/// Both ended in an assertion of the parser.
 TEST(Config, StrangeTableHeadsAreErrors) {
   EXPECT_EQ(error_of("[.a]\n").substr(0, 9), "c.toml:1:");
   EXPECT_EQ(error_of("\n[[[a]]]\n").substr(0, 9), "c.toml:2:");
+}
+
+/// Letters beyond ASCII where a space may stand: undefined behaviour of the parser once.
+TEST(Config, StrangeLettersAreErrors) {
+  EXPECT_EQ(error_of("\n\xC3\xA4\n").substr(0, 9), "c.toml:2:");
+  EXPECT_EQ(error_of("device\xC3\xA4|\xEA\x9E\x92"
+                     "e = 1\n")
+                .substr(0, 9),
+            "c.toml:1:");
+  EXPECT_EQ(error_of("[control]\nsocket = \"\"\"\\\n\xC2\xA7\"\"\"\n"), "no error");
 }
 
 TEST(Config, PrintedFormReadsBackTheSame) {
