@@ -38,7 +38,7 @@ struct Option {
   double min = -std::numeric_limits<double>::infinity(); ///< inclusive; numbers and integers
   double max = std::numeric_limits<double>::infinity();
   Result<void> (*check)(std::string_view) = nullptr; ///< texts: the context of its error is the reason
-  std::string_view example{};                          ///< as TOML, shown where there is no value
+  std::string_view example{};                        ///< as TOML, shown where there is no value
 };
 
 /// Values of one table, checked against its schema: every key with a default is present.

@@ -70,8 +70,8 @@ std::vector<double> Calibrator::calibrate(const LineGroup& group, const GroupRan
 }
 
 const AlphaSet& Calibrator::next(const LineGroup& group, const GroupRanks& ranks, Rational resolution_mm) {
-  const bool fixed = spec_.kind == LevelSpec::Kind::explicit_list ||
-                     (spec_.kind == LevelSpec::Kind::uniform && spec_.d_max > 0);
+  const bool fixed =
+      spec_.kind == LevelSpec::Kind::explicit_list || (spec_.kind == LevelSpec::Kind::uniform && spec_.d_max > 0);
   if (alpha_.tolerances.empty() && fixed) {
     alpha_.tolerances = spec_.explicit_tolerances;
     if (spec_.kind == LevelSpec::Kind::uniform)

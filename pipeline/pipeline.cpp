@@ -8,7 +8,9 @@ bool GroupBuilder::must_close_before(const LineBuffer& line) const noexcept {
   return full() || (!empty() && group_.points() + line.points() > kGroupPoints);
 }
 
-void GroupBuilder::add(const LineBuffer& line) { append_line(group_, next_line_++, line); }
+void GroupBuilder::add(const LineBuffer& line) {
+  append_line(group_, next_line_++, line);
+}
 
 void GroupBuilder::take(LineGroup& out) {
   std::swap(group_, out);

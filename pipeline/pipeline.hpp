@@ -9,8 +9,8 @@
 
 namespace scansion {
 
-/// Collects lines into groups: a group is full at kGroupLines, or before it would pass kGroupPoints. When to close a group early
-/// (live devices: group_ms) is the caller's decision.
+/// Collects lines into groups: a group is full at kGroupLines, or before it would pass kGroupPoints. When to close a group
+/// early (live devices: group_ms) is the caller's decision.
 class GroupBuilder {
 public:
   /// True when `line` cannot join the open group any more: take() first.
@@ -33,8 +33,8 @@ private:
 /// Ranks all runs of a group. Thread: one Ranker, one thread; different groups are independent.
 void rank_group(Ranker& ranker, const LineGroup& group, GroupRanks& out);
 
-/// Chooses the alpha-set of each group in turn: sequential by nature, cheap. Calibrates on the first group that has inner points
-/// and again when a group leaves the range (a new epoch); see docs/FORMAT.md, "Levels".
+/// Chooses the alpha-set of each group in turn: sequential by nature, cheap. Calibrates on the first group that has inner
+/// points and again when a group leaves the range (a new epoch); see docs/FORMAT.md, "Levels".
 class Calibrator {
 public:
   explicit Calibrator(LevelSpec spec) : spec_(std::move(spec)) {}

@@ -14,7 +14,9 @@ namespace {
 
 volatile std::sig_atomic_t stop_signal = 0;
 
-extern "C" void on_stop_signal(int number) { stop_signal = number; }
+extern "C" void on_stop_signal(int number) {
+  stop_signal = number;
+}
 
 } // namespace
 
@@ -24,7 +26,9 @@ void say(const std::string& message) {
   static_cast<void>(std::fwrite(line.data(), 1, line.size(), stderr));
 }
 
-bool stop_requested() noexcept { return stop_signal != 0; }
+bool stop_requested() noexcept {
+  return stop_signal != 0;
+}
 
 void catch_stop_signals() {
   struct sigaction action {};

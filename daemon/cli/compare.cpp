@@ -52,7 +52,8 @@ Difference Comparison::point(const DecodedGroup& a, std::uint32_t p, const Decod
     const double vb = b_.value(axis, b.group.xyz[axis][q], ulp_of(b.group, axis, q));
     const double difference = std::abs(va - vb);
     // Written so that a NaN counts as different.
-    if (!(difference <= options_.tolerance)) return std::string("has ") + "xyz"[axis] + " " + number(va) + " and " + number(vb) + " mm";
+    if (!(difference <= options_.tolerance))
+      return std::string("has ") + "xyz"[axis] + " " + number(va) + " and " + number(vb) + " mm";
     largest_mm = std::max(largest_mm, difference);
   }
   return {};
@@ -64,8 +65,10 @@ Difference Comparison::runs(const LineCursor& a, const LineCursor& b) const {
   if (of_a.size() != of_b.size()) return "has " + std::to_string(of_a.size()) + " and " + std::to_string(of_b.size()) + " runs";
   for (std::size_t r = 0; r < of_a.size(); ++r) {
     if (of_a[r].count != of_b[r].count)
-      return "has " + std::to_string(of_a[r].count) + " and " + std::to_string(of_b[r].count) + " points in run " + std::to_string(r);
-    if (of_a[r].invalid_before != of_b[r].invalid_before) return "has different invalid samples before run " + std::to_string(r);
+      return "has " + std::to_string(of_a[r].count) + " and " + std::to_string(of_b[r].count) + " points in run " +
+             std::to_string(r);
+    if (of_a[r].invalid_before != of_b[r].invalid_before)
+      return "has different invalid samples before run " + std::to_string(r);
   }
   if (a.line().invalid_after != b.line().invalid_after) return "has different invalid samples at its end";
   return {};
@@ -74,7 +77,8 @@ Difference Comparison::runs(const LineCursor& a, const LineCursor& b) const {
 Difference Comparison::lines(const LineCursor& a, const LineCursor& b) {
   ++compared;
   if (a.line().index != b.line().index)
-    return "line " + std::to_string(a.line().index) + " stands where the other recording has line " + std::to_string(b.line().index);
+    return "line " + std::to_string(a.line().index) + " stands where the other recording has line " +
+           std::to_string(b.line().index);
   const std::string where = "line " + std::to_string(a.line().index);
   if (const Difference d = runs(a, b)) return where + " " + *d;
   const auto of_a = a.decoded().group.runs_of(a.line());
@@ -112,10 +116,11 @@ Result<int> run_compare(const Options& o) {
   Comparison comparison(o, values_a, values_b);
   SCANSION_TRY(difference, first_difference(o, a, b, comparison));
   if (o.json) {
-    const nlohmann::ordered_json out = {{"same", !difference},
-                                        {"lines_compared", comparison.compared},
-                                        {"largest_accepted_mm", comparison.largest_mm},
-                                        {"difference", difference ? nlohmann::ordered_json(*difference) : nlohmann::ordered_json()}};
+    const nlohmann::ordered_json out = {
+        {"same", !difference},
+        {"lines_compared", comparison.compared},
+        {"largest_accepted_mm", comparison.largest_mm},
+        {"difference", difference ? nlohmann::ordered_json(*difference) : nlohmann::ordered_json()}};
     std::printf("%s\n", out.dump(2).c_str());
   } else if (difference) {
     std::printf("different: %s\n", difference->c_str());

@@ -50,7 +50,8 @@ void print_fish(const CLI::App& root) {
     std::printf("complete -c scansion -n __fish_use_subcommand -a %s -d '%s'\n", verb->get_name().c_str(),
                 verb->get_description().c_str());
     for (const std::string& option : long_options(*verb))
-      std::printf("complete -c scansion -n '__fish_seen_subcommand_from %s' -l %s\n", verb->get_name().c_str(), option.c_str() + 2);
+      std::printf("complete -c scansion -n '__fish_seen_subcommand_from %s' -l %s\n", verb->get_name().c_str(),
+                  option.c_str() + 2);
   }
 }
 

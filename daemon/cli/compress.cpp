@@ -17,7 +17,8 @@ namespace {
 
 struct Options {
   std::vector<std::string> inputs;
-  std::string output, format = "auto", unit = "mm", resolution = "auto", levels = "geometric:3", columns, grid = "cols", features = "on";
+  std::string output, format = "auto", unit = "mm", resolution = "auto", levels = "geometric:3", columns, grid = "cols",
+                      features = "on";
   std::string device = "file";
   double gap = 0.0, spacing = 1.0;
   unsigned threads = 0;
@@ -119,12 +120,13 @@ Result<Totals> Compression::write(Importer& importer, const std::string& path) {
   const RecordingFacts facts = this->facts(importer);
   SCANSION_TRY(resolution, resolution_mm(facts.lattice));
   SCANSION_TRY(writer, RecordingWriter::create(path, facts));
-  GroupWorkers workers(options_.threads, levels_, resolution, facts.stream, [&](const LineGroup& group, const EncodedGroup& encoded) {
-    std::uint64_t invalid = 0;
-    for (const ScanLine& line : group.lines) invalid += line.invalid_after;
-    for (const scansion::Run& run : group.runs) invalid += run.invalid_before;
-    return writer.append(encoded, group.points(), group.runs.size(), invalid);
-  });
+  GroupWorkers workers(options_.threads, levels_, resolution, facts.stream,
+                       [&](const LineGroup& group, const EncodedGroup& encoded) {
+                         std::uint64_t invalid = 0;
+                         for (const ScanLine& line : group.lines) invalid += line.invalid_after;
+                         for (const scansion::Run& run : group.runs) invalid += run.invalid_before;
+                         return writer.append(encoded, group.points(), group.runs.size(), invalid);
+                       });
   SCANSION_TRY(pump(importer, workers, totals));
   const std::int64_t start = thread_time_ns();
   SCANSION_TRY(writer.finish(std::nullopt, importer.counts().rounding_mm));
@@ -206,20 +208,27 @@ Verb add_compress(CLI::App& root) {
   auto o = std::make_shared<Options>();
   app->add_option("input", o->inputs, "Files, folders, archives, packed files; - is standard input")->required();
   app->add_option("-o,--output", o->output, "The recording (.mcap); - is standard output")->required();
-  app->add_option("--format", o->format, "Form of the input")->check(CLI::IsMember({"auto", "xyz", "ply", "csv"}))->capture_default_str();
+  app->add_option("--format", o->format, "Form of the input")
+      ->check(CLI::IsMember({"auto", "xyz", "ply", "csv"}))
+      ->capture_default_str();
   app->add_option("--unit", o->unit, "Unit of the input: m, mm, um, in, ft")->capture_default_str();
   app->add_option("--resolution", o->resolution, "Input units per count, or auto (from the decimals), or exact (every bit)")
       ->capture_default_str();
   auto* gap = app->add_option("--gap", o->gap, "A step longer than this many mm starts a new run")->check(CLI::PositiveNumber);
-  app->add_option("--levels", o->levels, "geometric:N[:RATIO], uniform:N[:DMAX] or explicit:T1,T2,... in mm")->capture_default_str();
+  app->add_option("--levels", o->levels, "geometric:N[:RATIO], uniform:N[:DMAX] or explicit:T1,T2,... in mm")
+      ->capture_default_str();
   app->add_option("--features", o->features, "Feature lines beside the points (this version finds none)")
       ->check(CLI::IsMember({"on", "off"}))
       ->capture_default_str();
   app->add_option("--threads", o->threads, "Threads for ranking and coding; 0: one per processor. Never changes the output")
       ->check(CLI::Range(0, 256))
       ->capture_default_str();
-  app->add_option("--grid", o->grid, "What a scan line is in a PLY range grid")->check(CLI::IsMember({"cols", "rows"}))->capture_default_str();
-  app->add_option("--spacing", o->spacing, "Input units between profiles that have no y")->check(CLI::PositiveNumber)->capture_default_str();
+  app->add_option("--grid", o->grid, "What a scan line is in a PLY range grid")
+      ->check(CLI::IsMember({"cols", "rows"}))
+      ->capture_default_str();
+  app->add_option("--spacing", o->spacing, "Input units between profiles that have no y")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   app->add_option("--columns", o->columns, "What text columns mean, e.g. x,z,- or x,y,z,line");
   app->add_option("--device", o->device, "Name of the device in the recording")->capture_default_str();
   app->add_flag("--force", o->force, "Replace an existing output");

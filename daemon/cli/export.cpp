@@ -68,7 +68,8 @@ std::string describe(const Options& o, const Selection& s) {
 
 void report(const Options& o, const Selection& s, const ExportReport& r) {
   std::string text = (o.output == "-" ? std::string("standard output") : o.output) + ": " + describe(o, s) + ": kept " +
-                     std::to_string(r.kept) + " of " + std::to_string(r.points) + " points in " + std::to_string(r.lines) + " lines";
+                     std::to_string(r.kept) + " of " + std::to_string(r.points) + " points in " + std::to_string(r.lines) +
+                     " lines";
   if (r.error_mm && s.kind != Selection::Kind::all) text += ", largest distance left out " + number(*r.error_mm) + " mm";
   say(text);
 }
@@ -132,7 +133,8 @@ Result<int> run_export(const Options& o) {
     SCANSION_TRY(write_points(o, reader, selection, format, progress));
   }
   if (reader.complete() && reader.gaps().empty()) return kDone;
-  if (!reader.complete()) say(o.recording + " is unfinished: what follows its last whole group is not in the output; see scansion verify");
+  if (!reader.complete())
+    say(o.recording + " is unfinished: what follows its last whole group is not in the output; see scansion verify");
   if (!reader.gaps().empty()) say(o.recording + " has " + std::to_string(reader.gaps().size()) + " gap(s); see scansion info");
   return o.strict ? kBadAnswer : kDone;
 }
@@ -145,7 +147,8 @@ Verb add_export(CLI::App& root) {
   app->add_option("recording", o->recording, "The recording")->required();
   app->add_option("-o,--output", o->output, "The output; - is standard output")->required();
   app->add_option("--what", o->what, "What to write")->check(CLI::IsMember({"points", "rearrangement"}))->capture_default_str();
-  auto* tolerance = app->add_option("--tolerance", o->tolerance, "Keep the points farther than this many mm: error at most this");
+  auto* tolerance =
+      app->add_option("--tolerance", o->tolerance, "Keep the points farther than this many mm: error at most this");
   auto* reduction = app->add_option("--reduction", o->reduction, "Leave out this many percent of the points");
   auto* level = app->add_option("--level", o->level, "Keep the points of this stored level; 0 is the coarsest");
   tolerance->excludes(reduction)->excludes(level);

@@ -12,7 +12,8 @@ std::int64_t thread_time_ns() noexcept {
   return std::int64_t{t.tv_sec} * 1'000'000'000 + t.tv_nsec;
 }
 
-GroupWorkers::GroupWorkers(unsigned threads, const LevelSpec& levels, Rational resolution_mm, std::uint32_t stream, Commit commit)
+GroupWorkers::GroupWorkers(unsigned threads, const LevelSpec& levels, Rational resolution_mm, std::uint32_t stream,
+                           Commit commit)
     : resolution_(resolution_mm), stream_(stream), calibrator_(levels), commit_(std::move(commit)),
       slots_(threads > 1 ? 2 * threads + 1 : 1), own_ranker_(resolution_mm) {
   for (unsigned i = 0; threads > 1 && i < threads; ++i) threads_.emplace_back([this] { work(); });
@@ -116,6 +117,8 @@ Result<void> GroupWorkers::push(LineGroup& group) {
   return advance(nullptr, false);
 }
 
-Result<void> GroupWorkers::drain() { return threads_.empty() ? Result<void>(success()) : advance(nullptr, true); }
+Result<void> GroupWorkers::drain() {
+  return threads_.empty() ? Result<void>(success()) : advance(nullptr, true);
+}
 
 } // namespace scansion::cli

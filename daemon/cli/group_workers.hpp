@@ -30,7 +30,8 @@ public:
   GroupWorkers(const GroupWorkers&) = delete;
   GroupWorkers& operator=(const GroupWorkers&) = delete;
 
-  /// Takes the group (swapping an old buffer into `group`). Commits finished groups on the way; blocks while all slots are busy.
+  /// Takes the group (swapping an old buffer into `group`). Commits finished groups on the way; blocks while all slots are
+  /// busy.
   [[nodiscard]] Result<void> push(LineGroup& group);
   /// Waits for all groups and commits them.
   [[nodiscard]] Result<void> drain();

@@ -70,10 +70,13 @@ std::string time_text(std::int64_t realtime_ns) {
 nlohmann::ordered_json to_json(const RecordingReader& reader, const Summary& s, double resolution) {
   using nlohmann::ordered_json;
   const RecordingFacts& facts = reader.facts();
-  const auto optional_time = [](const std::optional<std::int64_t>& t) { return t ? ordered_json(time_text(*t)) : ordered_json(); };
+  const auto optional_time = [](const std::optional<std::int64_t>& t) {
+    return t ? ordered_json(time_text(*t)) : ordered_json();
+  };
   ordered_json gaps = ordered_json::array();
   for (const Gap& gap : reader.gaps())
-    gaps.push_back({{"first", gap.first}, {"count", gap.count ? ordered_json(*gap.count) : ordered_json()}, {"reason", gap.reason}});
+    gaps.push_back(
+        {{"first", gap.first}, {"count", gap.count ? ordered_json(*gap.count) : ordered_json()}, {"reason", gap.reason}});
   const double points = s.points == 0 ? 1.0 : static_cast<double>(s.points);
   return {{"lines", s.lines},
           {"points", s.points},
@@ -108,7 +111,8 @@ void print_text(const RecordingReader& reader, const Summary& s, double resoluti
   row("device", facts.device);
   row("state", reader.complete() ? "complete" : "unfinished (killed or still being written)");
   row("lines", std::to_string(s.lines) + " in " + std::to_string(reader.groups().size()) + " groups");
-  row("points", std::to_string(s.points) + " in " + std::to_string(s.runs) + " runs, " + std::to_string(s.invalid) + " invalid samples");
+  row("points",
+      std::to_string(s.points) + " in " + std::to_string(s.runs) + " runs, " + std::to_string(s.invalid) + " invalid samples");
   row("gaps", std::to_string(reader.gaps().size()));
   row("unit", std::string(name(facts.lattice.unit)));
   row("resolution", number(resolution) + " mm per count" + (facts.lattice.exact ? ", every IEEE bit kept" : ""));
@@ -116,16 +120,19 @@ void print_text(const RecordingReader& reader, const Summary& s, double resoluti
   std::uint64_t sum = 0;
   for (std::uint32_t k = 0; k < facts.stored_levels; ++k) {
     sum += s.points_per_level[k];
-    const std::string tolerance = k < s.tolerances.size() ? "tolerance " + number(s.tolerances[k]) + " mm" : std::string("every point");
+    const std::string tolerance =
+        k < s.tolerances.size() ? "tolerance " + number(s.tolerances[k]) + " mm" : std::string("every point");
     const double share = s.points == 0 ? 0.0 : 100.0 * static_cast<double>(sum) / static_cast<double>(s.points);
-    row(("level " + std::to_string(k)).c_str(), std::to_string(sum) + " points (" + number(std::round(share * 100) / 100) + " %), " + tolerance);
+    row(("level " + std::to_string(k)).c_str(),
+        std::to_string(sum) + " points (" + number(std::round(share * 100) / 100) + " %), " + tolerance);
   }
   const double bits = s.points == 0 ? 0.0 : static_cast<double>(reader.bytes()) * 8.0 / static_cast<double>(s.points);
   row("size", std::to_string(reader.bytes()) + " bytes, " + number(std::round(bits * 1000) / 1000) + " bit/point");
   if (facts.started_ns) row("started", time_text(*facts.started_ns));
   if (reader.end() && reader.end()->ended_ns) row("ended", time_text(*reader.end()->ended_ns));
   for (const Gap& gap : reader.gaps())
-    row("gap", "line " + std::to_string(gap.first) + ", " + (gap.count ? std::to_string(*gap.count) : "unknown number of") + " lines: " + gap.reason);
+    row("gap", "line " + std::to_string(gap.first) + ", " + (gap.count ? std::to_string(*gap.count) : "unknown number of") +
+                   " lines: " + gap.reason);
 }
 
 Result<int> run_info(const Options& o) {

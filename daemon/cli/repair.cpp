@@ -27,16 +27,23 @@ Result<int> run_verify(const Options& o) {
   if (o.json) {
     auto findings = nlohmann::ordered_json::array();
     for (const Finding& f : r.findings) findings.push_back({{"offset", f.offset}, {"what", f.what}});
-    const nlohmann::ordered_json out = {{"sound", r.sound},           {"finished", r.finished}, {"groups", r.groups},
-                                        {"lines", r.lines},           {"points", r.points},     {"gaps", r.gaps},
-                                        {"good_bytes", r.good_bytes}, {"lost", to_json(r.lost)}, {"finding_count", r.finding_count},
-                                        {"findings", findings}};
+    const nlohmann::ordered_json out = {
+        {"sound", r.sound},           {"finished", r.finished},  {"groups", r.groups},
+        {"lines", r.lines},           {"points", r.points},      {"gaps", r.gaps},
+        {"good_bytes", r.good_bytes}, {"lost", to_json(r.lost)}, {"finding_count", r.finding_count},
+        {"findings", findings}};
     std::printf("%s\n", out.dump(2).c_str());
     return r.sound ? kDone : kBadAnswer;
   }
-  const std::string counts = std::to_string(r.groups) + " groups, " + std::to_string(r.lines) + " lines, " + std::to_string(r.points) + " points";
-  std::printf("%s: %s: %s\n", o.recording.c_str(), r.sound ? "sound" : r.finding_count > 0 ? "DAMAGED" : "unfinished", counts.c_str());
-  for (const Finding& f : r.findings) std::printf("  byte %llu: %s\n", static_cast<unsigned long long>(f.offset), f.what.c_str());
+  const std::string counts =
+      std::to_string(r.groups) + " groups, " + std::to_string(r.lines) + " lines, " + std::to_string(r.points) + " points";
+  std::printf("%s: %s: %s\n", o.recording.c_str(),
+              r.sound               ? "sound"
+              : r.finding_count > 0 ? "DAMAGED"
+                                    : "unfinished",
+              counts.c_str());
+  for (const Finding& f : r.findings)
+    std::printf("  byte %llu: %s\n", static_cast<unsigned long long>(f.offset), f.what.c_str());
   if (r.finding_count > r.findings.size())
     std::printf("  and %llu more\n", static_cast<unsigned long long>(r.finding_count - r.findings.size()));
   if (!r.lost.empty()) std::printf("  lines missing or damaged: %s\n", ranges(r.lost).c_str());
@@ -49,8 +56,12 @@ Result<int> run_recover(const Options& o) {
   SCANSION_TRY(r, recover(o.recording, pending.name()));
   SCANSION_TRY(pending.commit());
   if (o.json) {
-    const nlohmann::ordered_json out = {{"groups", r.groups},       {"lines", r.lines},         {"points", r.points},
-                                        {"bytes_skipped", r.bytes_skipped}, {"lost", to_json(r.lost)}, {"tail_lost", r.tail_lost},
+    const nlohmann::ordered_json out = {{"groups", r.groups},
+                                        {"lines", r.lines},
+                                        {"points", r.points},
+                                        {"bytes_skipped", r.bytes_skipped},
+                                        {"lost", to_json(r.lost)},
+                                        {"tail_lost", r.tail_lost},
                                         {"anything_lost", r.anything_lost()}};
     std::printf("%s\n", out.dump(2).c_str());
   } else {
@@ -75,7 +86,8 @@ Verb add_verify(CLI::App& root) {
 }
 
 Verb add_recover(CLI::App& root) {
-  auto* app = root.add_subcommand("recover", "Bring back every whole group of a damaged recording; exit 1 if anything was lost");
+  auto* app =
+      root.add_subcommand("recover", "Bring back every whole group of a damaged recording; exit 1 if anything was lost");
   auto o = std::make_shared<Options>();
   app->add_option("recording", o->recording, "The damaged recording; it is not changed")->required();
   app->add_option("-o,--output", o->output, "The new recording")->required();

@@ -60,7 +60,8 @@ Result<int> run_status(const Options& o) {
 Verb add_status(CLI::App& root) {
   auto* app = root.add_subcommand("status", "Ask the running daemon what it does");
   auto o = std::make_shared<Options>();
-  app->add_option("--socket", o->socket, "The daemon's control socket; default: where it listens by default")->envname("SCANSION_SOCKET");
+  app->add_option("--socket", o->socket, "The daemon's control socket; default: where it listens by default")
+      ->envname("SCANSION_SOCKET");
   app->add_flag("--json", o->json, "Print JSON");
   app->add_flag("--watch", o->watch, "Ask every second until stopped");
   return {app, [o] { return run_status(*o); }};

@@ -60,7 +60,8 @@ Result<void> GroupDecoder::Impl::read_rest(ByteReader& from, const PayloadHeader
       out.width[i] = header.level;
       state.fresh.push_back(static_cast<PointIndex>(i));
     }
-  if (state.fresh.size() != header.points) return fail(Errc::damaged, "the rest and its header disagree on the number of points");
+  if (state.fresh.size() != header.points)
+    return fail(Errc::damaged, "the rest and its header disagree on the number of points");
   const std::size_t along = from.byte();
   if (along > 2) return fail(Errc::damaged, "the rest names an axis that does not exist");
   std::array<RestMode, 3> modes{};
@@ -83,7 +84,8 @@ Result<void> GroupDecoder::Impl::read_rest(ByteReader& from, const PayloadHeader
   std::size_t r = 0;
   visit_rest(state, out.group, along, [&](const RestPlace& at) {
     for (std::size_t axis = 0; axis < 3; ++axis)
-      fits = put(axis, at.point, saturating_sum(predict(state, axis, modes[axis], weights[axis], at), residuals[axis][r])) && fits;
+      fits =
+          put(axis, at.point, saturating_sum(predict(state, axis, modes[axis], weights[axis], at), residuals[axis][r])) && fits;
     ++r;
   });
   if (!fits) return fail(Errc::damaged, "the rest holds coordinates beyond 32 bits");

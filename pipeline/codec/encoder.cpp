@@ -17,7 +17,9 @@ namespace {
 using Residuals = std::vector<std::int64_t>;
 
 // Roughly what a residual costs in bits.
-std::uint64_t cost(std::int64_t residual) noexcept { return static_cast<std::uint64_t>(std::bit_width(zigzag(residual))); }
+std::uint64_t cost(std::int64_t residual) noexcept {
+  return static_cast<std::uint64_t>(std::bit_width(zigzag(residual)));
+}
 
 std::uint64_t cost(const Residuals& residuals) noexcept {
   std::uint64_t sum = 0;
@@ -128,8 +130,8 @@ std::array<GroupEncoder::Impl::RestChoice, 3> GroupEncoder::Impl::choose_rest(co
     if (i++ % stride != 0) return;
     for (std::size_t axis = 0; axis < 3; ++axis)
       for (std::size_t m = 0; m < kRestModes; ++m)
-        costs[axis][m] += cost(state.u[axis][at.point] -
-                               predict(state, axis, static_cast<RestMode>(m), choice[axis].weights, at));
+        costs[axis][m] +=
+            cost(state.u[axis][at.point] - predict(state, axis, static_cast<RestMode>(m), choice[axis].weights, at));
   });
   for (std::size_t axis = 0; axis < 3; ++axis)
     choice[axis].mode = static_cast<RestMode>(std::ranges::min_element(costs[axis]) - costs[axis].begin());

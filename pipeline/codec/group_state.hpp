@@ -34,7 +34,8 @@ private:
 };
 
 /// Value at index i of the straight line from (a, va) to (b, vb), rounded down; a < b.
-[[nodiscard]] inline std::int64_t between(std::int64_t va, std::int64_t vb, std::int64_t i, std::int64_t a, std::int64_t b) noexcept {
+[[nodiscard]] inline std::int64_t between(std::int64_t va, std::int64_t vb, std::int64_t i, std::int64_t a,
+                                          std::int64_t b) noexcept {
   const std::int64_t product = (vb - va) * (i - a);
   const std::int64_t length = b - a;
   const std::int64_t quotient = product / length;

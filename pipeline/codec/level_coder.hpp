@@ -26,7 +26,8 @@ struct LevelPlace {
   PointIndex run_first = 0;
 };
 
-[[nodiscard]] inline std::int64_t predict(const GroupState& s, std::size_t axis, LevelMode mode, const LevelPlace& at) noexcept {
+[[nodiscard]] inline std::int64_t predict(const GroupState& s, std::size_t axis, LevelMode mode,
+                                          const LevelPlace& at) noexcept {
   const auto& u = s.u[axis];
   if (mode == LevelMode::left) return u[at.left];
   const std::int64_t straight = between(u[at.left], u[at.right], at.point, at.left, at.right);
@@ -44,7 +45,8 @@ struct LevelPlace {
 /// returns.
 /// `coarsest`: the level is lod0, so runs begin with their end points, which `code_end(point, previous)` handles:
 /// `previous` is the same end of the run before, or the point itself when there is none.
-/// On the way the chord of that axis over each run is brought to the level just coded; `state.known` must hold the coarser vertices.
+/// On the way the chord of that axis over each run is brought to the level just coded; `state.known` must hold the coarser
+/// vertices.
 template <class Code, class CodeEnd>
 void visit_level(GroupState& s, std::span<const Run> runs, std::size_t axis, bool coarsest, Code&& code, CodeEnd&& code_end) {
   std::size_t k = 0; // into known

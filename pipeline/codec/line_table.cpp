@@ -132,7 +132,8 @@ AxisScale find_scale(std::span<const std::int32_t> values) noexcept {
   // Near the middle, so that the distance to both ends fits 32 bits even for step 1: the first base at or above it.
   const std::int64_t middle = low + (range + 1) / 2;
   const std::int64_t base = middle + modulo(residue - middle, step);
-  if (base > std::numeric_limits<std::int32_t>::max()) return {static_cast<std::int32_t>(base - step), static_cast<std::uint32_t>(step), split};
+  if (base > std::numeric_limits<std::int32_t>::max())
+    return {static_cast<std::int32_t>(base - step), static_cast<std::uint32_t>(step), split};
   return {static_cast<std::int32_t>(base), static_cast<std::uint32_t>(step), split};
 }
 

@@ -25,8 +25,8 @@ struct AxisScale {
 };
 using AxisScales = std::array<AxisScale, 3>;
 
-/// The largest step that all values of the axis share; or a power of ten times it that nearly all share (text with a fixed number
-/// of significant digits), with remainders. The base makes every u fit 32 bits.
+/// The largest step that all values of the axis share; or a power of ten times it that nearly all share (text with a fixed
+/// number of significant digits), with remainders. The base makes every u fit 32 bits.
 [[nodiscard]] AxisScale find_scale(std::span<const std::int32_t> values) noexcept;
 
 void write_line_table(const LineGroup& group, const AxisScales& scales, bool exact, Bytes& to);

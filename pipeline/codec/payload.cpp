@@ -75,10 +75,13 @@ void seal_payload(PayloadHeader header, Bytes& payload) {
   store_le(p + kChecksum, checksum(payload));
 }
 
-Result<PayloadHeader> parse_payload_header(ByteView bytes) { return parse_payload_header(bytes, bytes.size()); }
+Result<PayloadHeader> parse_payload_header(ByteView bytes) {
+  return parse_payload_header(bytes, bytes.size());
+}
 
 Result<PayloadHeader> parse_payload_header(ByteView bytes, std::uint64_t available) {
-  if (bytes.size() < kPayloadHeaderSize || available < kPayloadHeaderSize) return fail(Errc::damaged, "payload is shorter than its header");
+  if (bytes.size() < kPayloadHeaderSize || available < kPayloadHeaderSize)
+    return fail(Errc::damaged, "payload is shorter than its header");
   const std::byte* p = bytes.data();
   if (std::memcmp(p + kMark, kPayloadMark.data(), kPayloadMark.size()) != 0)
     return fail(Errc::damaged, "payload mark is missing");

@@ -34,9 +34,9 @@ struct PayloadHeader {
   std::uint64_t first_time_ns = 0; ///< log time of the first line
   std::uint64_t last_time_ns = 0;  ///< log time of the last line
   double tolerance = 0.0;          ///< mm: d_(k+1) of this level; 0 for lines and rest
-  double left_out = 0.0; ///< mm: exact largest distance left out when this and all coarser levels are read; 0 for rest; for
-                         ///< lines: the largest finite D of the group
-  std::uint32_t points = 0;    ///< points in this payload; for lines: in the group
+  double left_out = 0.0;    ///< mm: exact largest distance left out when this and all coarser levels are read; 0 for rest; for
+                            ///< lines: the largest finite D of the group
+  std::uint32_t points = 0; ///< points in this payload; for lines: in the group
   std::uint32_t body_size = 0; ///< bytes after the header
 
   friend bool operator==(const PayloadHeader&, const PayloadHeader&) = default;

@@ -125,8 +125,8 @@ Result<void> PlaneReader::get_planes(ByteReader& from, std::size_t count, std::v
   for (std::size_t p = 0; p < width; ++p) {
     SCANSION_TRY(get_packed(from, plane_));
     for (std::size_t i = 0; i < count; ++i)
-      values[i] = static_cast<std::int64_t>(static_cast<std::uint64_t>(values[i]) |
-                                            static_cast<std::uint64_t>(plane_[i]) << (8 * p));
+      values[i] =
+          static_cast<std::int64_t>(static_cast<std::uint64_t>(values[i]) | static_cast<std::uint64_t>(plane_[i]) << (8 * p));
   }
   for (std::int64_t& v : values) v = unzigzag(static_cast<std::uint64_t>(v));
   return success();

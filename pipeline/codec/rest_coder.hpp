@@ -67,8 +67,8 @@ using Deviations = std::array<std::int64_t, kNeighbours>;
   return s.chord[axis][at.point] + (sum >> kWeightBits);
 }
 
-/// Visits the points of `state.fresh` (the rest) in order, each with the point beside it in the line before: the one whose chord
-/// is nearest on `main_axis`, found by walking from the last one. `code(place)` must make u[axis][place.point] true.
+/// Visits the points of `state.fresh` (the rest) in order, each with the point beside it in the line before: the one whose
+/// chord is nearest on `main_axis`, found by walking from the last one. `code(place)` must make u[axis][place.point] true.
 template <class Code>
 void visit_rest(const GroupState& s, const LineGroup& group, std::size_t main_axis, Code&& code) {
   constexpr int kMaxWalk = 8; // points a step: bounds the work on hostile or folded lines

@@ -31,7 +31,9 @@ inline void put_varint(Bytes& to, std::uint64_t value) {
   }
   to.push_back(static_cast<std::byte>(value));
 }
-inline void put_signed(Bytes& to, std::int64_t value) { put_varint(to, zigzag(value)); }
+inline void put_signed(Bytes& to, std::int64_t value) {
+  put_varint(to, zigzag(value));
+}
 
 /// Reads a byte string front to back. After the first impossible read `ok()` is false and every value is 0.
 class ByteReader {

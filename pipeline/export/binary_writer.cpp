@@ -26,7 +26,8 @@ public:
   [[nodiscard]] Result<void> line(OutputFile& file, std::uint64_t index, const LineGroup& group,
                                   std::span<const std::uint32_t> points) override {
     if (index > 0xFFFFFFFFU)
-      return fail(Errc::out_of_range, "line ", std::to_string(index), " does not fit the 32 bit line number of this format; use csv");
+      return fail(Errc::out_of_range, "line ", std::to_string(index),
+                  " does not fit the 32 bit line number of this format; use csv");
     constexpr std::size_t kRecord = 3 * sizeof(double) + sizeof(std::uint32_t);
     for (const std::uint32_t p : points) {
       SCANSION_TRY(to, file.reserve(kRecord));
@@ -78,8 +79,9 @@ private:
     const std::string count = std::to_string(points);
     const std::string size = style_.single ? "4" : "8";
     return "# .PCD v0.7 - scansion points, " + remark() + "\n# " + padding(count.size()) + padding(count.size()) +
-           "\nVERSION 0.7\nFIELDS x y z line\nSIZE " + size + " " + size + " " + size + " 4\nTYPE F F F U\nCOUNT 1 1 1 1\nWIDTH " +
-           count + "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + count + "\nDATA binary\n";
+           "\nVERSION 0.7\nFIELDS x y z line\nSIZE " + size + " " + size + " " + size +
+           " 4\nTYPE F F F U\nCOUNT 1 1 1 1\nWIDTH " + count + "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + count +
+           "\nDATA binary\n";
   }
 };
 

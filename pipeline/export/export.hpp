@@ -24,8 +24,8 @@ using Progress = std::function<Result<void>(std::uint64_t, std::uint64_t)>;
 [[nodiscard]] Result<ExportReport> export_points(RecordingReader& reader, const Selection& selection, PointWriter& writer,
                                                  OutputFile& file, const Progress& progress);
 
-/// Writes the rearrangement text form: per run `# line I run R n+1 COUNT`, then its points in rank order as `j d`, d in mm with 9
-/// significant digits, 0 for end points (paper, section 3). Of `selection` only the line range counts.
+/// Writes the rearrangement text form: per run `# line I run R n+1 COUNT`, then its points in rank order as `j d`, d in mm with
+/// 9 significant digits, 0 for end points (paper, section 3). Of `selection` only the line range counts.
 [[nodiscard]] Result<ExportReport> export_rearrangement(RecordingReader& reader, const Selection& selection, OutputFile& file,
                                                         const Progress& progress);
 

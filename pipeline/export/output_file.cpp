@@ -100,8 +100,7 @@ Result<void> PendingFile::commit() {
     return success();
   }
   if (!force_ && errno == EEXIST) return fail(Errc::exists, path_, " appeared meanwhile; give --force to replace it");
-  if (::rename(pending_.c_str(), path_.c_str()) != 0)
-    return boost::outcome_v2::failure(creation_error(path_, errno));
+  if (::rename(pending_.c_str(), path_.c_str()) != 0) return boost::outcome_v2::failure(creation_error(path_, errno));
   pending_.clear();
   return success();
 }
@@ -169,7 +168,8 @@ Result<void> OutputFile::patch(std::uint64_t offset, std::string_view bytes) {
     const ssize_t n = ::pwrite(fd_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
     if (n < 0 && errno == EINTR) continue;
     if (n < 0 && errno == ESPIPE)
-      return fail(Errc::cannot_create, shown_, " is a pipe; this format needs a file or '-' because its header holds the count");
+      return fail(Errc::cannot_create, shown_,
+                  " is a pipe; this format needs a file or '-' because its header holds the count");
     if (n < 0) return fail(Errc::io, system_error("cannot write " + shown_, errno).context);
     offset += static_cast<std::uint64_t>(n);
     bytes.remove_prefix(static_cast<std::size_t>(n));

@@ -13,7 +13,8 @@ namespace scansion {
 /// A name beside `path` for a file that is renamed to `path` when it is complete; removed again unless commit() was called.
 class PendingFile {
 public:
-  /// Fails with exists when `path` is there and not `force`, with cannot_create or permission when its folder cannot take a file.
+  /// Fails with exists when `path` is there and not `force`, with cannot_create or permission when its folder cannot take a
+  /// file.
   [[nodiscard]] static Result<PendingFile> create(const std::string& path, bool force);
   PendingFile(PendingFile&& other) noexcept;
   PendingFile& operator=(PendingFile&& other) noexcept;
@@ -30,8 +31,8 @@ private:
   bool force_ = false;
 };
 
-/// Buffered text or binary output to a PendingFile, or to standard output for "-". Bytes may be patched before the end, so output
-/// to "-" is held in an unlinked temporary file until commit() when `patching` is set.
+/// Buffered text or binary output to a PendingFile, or to standard output for "-". Bytes may be patched before the end, so
+/// output to "-" is held in an unlinked temporary file until commit() when `patching` is set.
 class OutputFile {
 public:
   [[nodiscard]] static Result<OutputFile> create(const std::string& path, bool force, bool patching);

@@ -16,7 +16,9 @@ char* put(char* to, std::string_view text) noexcept {
   return to + text.size();
 }
 
-char* put(char* to, std::uint64_t number) noexcept { return std::to_chars(to, to + 20, number).ptr; }
+char* put(char* to, std::uint64_t number) noexcept {
+  return std::to_chars(to, to + 20, number).ptr;
+}
 
 char* put_point(char* to, const ValueFormat& values, const LineGroup& group, std::uint32_t point, char between) noexcept {
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -37,7 +39,8 @@ protected:
   bool first_ = true;
 
   [[nodiscard]] std::string comment() const {
-    return "# scansion points, unit " + std::string(name(style_.unit)) + (style_.remark.empty() ? "" : ", " + style_.remark) + "\n";
+    return "# scansion points, unit " + std::string(name(style_.unit)) + (style_.remark.empty() ? "" : ", " + style_.remark) +
+           "\n";
   }
 };
 
@@ -147,7 +150,9 @@ Result<PointFormat> parse_point_format(std::string_view name) {
   return fail(Errc::usage, "points cannot be written as '", name, "'; choose xyz, csv, ply, pcd, obj or json with --format");
 }
 
-bool needs_patching(PointFormat format) noexcept { return format == PointFormat::ply || format == PointFormat::pcd; }
+bool needs_patching(PointFormat format) noexcept {
+  return format == PointFormat::ply || format == PointFormat::pcd;
+}
 
 std::unique_ptr<PointWriter> make_point_writer(PointFormat format, const ValueFormat& values, const PointStyle& style) {
   switch (format) {

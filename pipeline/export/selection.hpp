@@ -16,10 +16,10 @@ namespace scansion {
 struct Selection {
   enum class Kind : std::uint8_t { all, tolerance, reduction, level };
   Kind kind = Kind::all;
-  double tolerance = 0.0;     ///< mm: keep {D > tolerance}
-  Rational kept_share{1, 1};  ///< of a reduction of k percent: (100 - k) / 100
-  std::uint32_t level = 0;    ///< S_level
-  bool scan_scope = false;    ///< a reduction over one common order of all lines instead of each run alone
+  double tolerance = 0.0;    ///< mm: keep {D > tolerance}
+  Rational kept_share{1, 1}; ///< of a reduction of k percent: (100 - k) / 100
+  std::uint32_t level = 0;   ///< S_level
+  bool scan_scope = false;   ///< a reduction over one common order of all lines instead of each run alone
   std::uint64_t first_line = 0;
   std::uint64_t end_line = std::numeric_limits<std::uint64_t>::max(); ///< one past the last
 
@@ -67,8 +67,8 @@ private:
   RecordingReader* reader_;
   Selection selection_;
   Ranker ranker_;
-  double threshold_ = 0.0;  ///< of the common order: keep D > threshold_ ...
-  std::uint64_t ties_ = 0;  ///< ... and so many more of those with D == threshold_, in order
+  double threshold_ = 0.0; ///< of the common order: keep D > threshold_ ...
+  std::uint64_t ties_ = 0; ///< ... and so many more of those with D == threshold_, in order
   // Scratch of the run being ranked.
   std::array<std::vector<std::int32_t>, 3> xyz_;
   std::vector<std::uint32_t> position_, depth_, order_;

@@ -40,8 +40,8 @@ struct ImportCounts {
   std::uint64_t bytes_read = 0, bytes_total = 0;    ///< for progress; bytes_total 0: unknown
 };
 
-/// Reads one scan made of one or more inputs (files, folders, archives, packed files, "-" for standard input), streaming. Memory
-/// follows the line (plus the vertices of a range grid), not the input.
+/// Reads one scan made of one or more inputs (files, folders, archives, packed files, "-" for standard input), streaming.
+/// Memory follows the line (plus the vertices of a range grid), not the input.
 class Importer {
 public:
   /// Opens the inputs, finds format and lattice. Errors name file, row, reason and fix. `note` receives one-line remarks for a

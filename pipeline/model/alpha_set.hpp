@@ -32,8 +32,8 @@ struct LevelSpec {
   enum class Kind : std::uint8_t { geometric, uniform, explicit_list };
   Kind kind = Kind::geometric;
   std::uint32_t count = 3;
-  double ratio = 3.0;           ///< geometric only
-  double d_max = 0.0;           ///< uniform only, mm; 0: calibrated from the lines
+  double ratio = 3.0;                      ///< geometric only
+  double d_max = 0.0;                      ///< uniform only, mm; 0: calibrated from the lines
   std::vector<double> explicit_tolerances; ///< mm, decreasing
 
   friend bool operator==(const LevelSpec&, const LevelSpec&) = default;

@@ -42,9 +42,9 @@ enum class Source : std::uint8_t {
 /// Counts of one recording: coordinate = (origin + count) * resolution, in the input unit.
 /// The resolution is one for all three axes.
 struct Lattice {
-  Rational resolution;                   ///< input units per count
-  std::array<std::int64_t, 3> origin{};  ///< counts
-  Unit unit = Unit::mm;                  ///< the input unit
+  Rational resolution;                  ///< input units per count
+  std::array<std::int64_t, 3> origin{}; ///< counts
+  Unit unit = Unit::mm;                 ///< the input unit
   Source source = Source::decimal;
   bool exact = false; ///< groups carry IEEE residuals (see LineGroup::ulp), so that every bit of the source comes back
 

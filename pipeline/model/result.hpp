@@ -42,7 +42,9 @@ struct [[nodiscard]] Error {
 template <class T>
 using Result = boost::outcome_v2::basic_result<T, Error, boost::outcome_v2::policy::terminate>;
 
-inline auto success() noexcept { return boost::outcome_v2::success(); }
+inline auto success() noexcept {
+  return boost::outcome_v2::success();
+}
 
 /// An Error whose context is the parts joined. Out of line: GCC 12 reports inlined moves of known short strings as overruns.
 [[nodiscard]] Error make_error(Errc code, std::initializer_list<std::string_view> parts);

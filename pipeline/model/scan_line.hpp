@@ -34,9 +34,9 @@ struct ScanLine {
   std::uint64_t index = 0; ///< line index in the recording
   Stamps stamps;
   std::optional<std::array<double, 3>> plane; ///< a, b, c of a x + b y + c = 0 in millimetres, when the device tells
-  std::uint32_t first_run = 0;     ///< index into LineGroup::runs
-  std::uint32_t run_count = 0;     ///< 0 for a line without a valid point
-  std::uint32_t invalid_after = 0; ///< invalid samples after the last run
+  std::uint32_t first_run = 0;                ///< index into LineGroup::runs
+  std::uint32_t run_count = 0;                ///< 0 for a line without a valid point
+  std::uint32_t invalid_after = 0;            ///< invalid samples after the last run
 
   friend bool operator==(const ScanLine&, const ScanLine&) = default;
 };

@@ -9,8 +9,9 @@
 
 namespace scansion {
 
-// Every kernel has: Cross, which orders the points inside the ends of one chord; Beyond, the squared distance to an end; Number and
-// Length, numerator and denominator of a squared distance; chord(a, b); measure(chord, k, cross, beyond), true inside the ends.
+// Every kernel has: Cross, which orders the points inside the ends of one chord; Beyond, the squared distance to an end; Number
+// and Length, numerator and denominator of a squared distance; chord(a, b); measure(chord, k, cross, beyond), true inside the
+// ends.
 
 /// Two coordinates of a run whose third one is constant; spans below kNarrowSpan: cross < 2^61, squared distances < 2^61.
 struct Planar {
@@ -79,8 +80,8 @@ struct Spatial {
     const auto d = minus(at(k), c.a);
     const std::int64_t along = dot(d, c.e);
     if (along > 0 && static_cast<std::uint64_t>(along) < c.length) {
-      cross = square(c.e[1] * d[2] - c.e[2] * d[1]) + square(c.e[2] * d[0] - c.e[0] * d[2]) +
-              square(c.e[0] * d[1] - c.e[1] * d[0]);
+      cross =
+          square(c.e[1] * d[2] - c.e[2] * d[1]) + square(c.e[2] * d[0] - c.e[0] * d[2]) + square(c.e[0] * d[1] - c.e[1] * d[0]);
       return true;
     }
     const auto f = along > 0 ? minus(at(k), c.b) : d;
@@ -127,8 +128,8 @@ struct Wide {
     const Vector d = minus(at(k), c.a);
     const exact::I128 along = dot(d, c.e);
     if (along > 0 && static_cast<exact::U128>(along) < c.length) {
-      cross = square(c.e[1] * d[2] - c.e[2] * d[1]) + square(c.e[2] * d[0] - c.e[0] * d[2]) +
-              square(c.e[0] * d[1] - c.e[1] * d[0]);
+      cross =
+          square(c.e[1] * d[2] - c.e[2] * d[1]) + square(c.e[2] * d[0] - c.e[0] * d[2]) + square(c.e[0] * d[1] - c.e[1] * d[0]);
       return true;
     }
     const Vector f = along > 0 ? minus(at(k), c.b) : d;

@@ -15,8 +15,12 @@ __extension__ using I128 = __int128;
 using U256 = boost::multiprecision::uint256_t; // fixed size, never allocates
 
 /// Nearest double, ties to even.
-[[nodiscard]] inline double nearest_double(U128 value) noexcept { return static_cast<double>(value); }
-[[nodiscard]] inline double nearest_double(std::uint64_t value) noexcept { return static_cast<double>(value); }
+[[nodiscard]] inline double nearest_double(U128 value) noexcept {
+  return static_cast<double>(value);
+}
+[[nodiscard]] inline double nearest_double(std::uint64_t value) noexcept {
+  return static_cast<double>(value);
+}
 [[nodiscard]] inline double nearest_double(const U256& value) {
   if (value == 0 || msb(value) < 128) return nearest_double(value.convert_to<U128>());
   // The top 128 bits, the last of them set when anything was cut off: enough for one correct rounding.
@@ -26,8 +30,8 @@ using U256 = boost::multiprecision::uint256_t; // fixed size, never allocates
   return std::ldexp(nearest_double(top), static_cast<int>(cut));
 }
 
-/// The squared distance of a point to a segment in counts, as numerator over denominator; the denominator is 1 for points beyond
-/// an end of the segment, else the squared length of the chord.
+/// The squared distance of a point to a segment in counts, as numerator over denominator; the denominator is 1 for points
+/// beyond an end of the segment, else the squared length of the chord.
 template <class Number, class Length>
 struct Squared {
   Number numerator{};

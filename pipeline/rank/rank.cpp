@@ -145,8 +145,9 @@ double segment_distance(const RunPoints& run, std::size_t p, std::size_t a, std:
     const auto chord = kernel.chord(0, 2);
     typename Kernel::Cross cross;
     typename Kernel::Beyond beyond;
-    return kernel.measure(chord, 1, cross, beyond) ? exact::millimetres(Squared{Kernel::squared(cross), chord.length}, resolution)
-                                                   : exact::millimetres(Squared{beyond, 1}, resolution);
+    return kernel.measure(chord, 1, cross, beyond)
+               ? exact::millimetres(Squared{Kernel::squared(cross), chord.length}, resolution)
+               : exact::millimetres(Squared{beyond, 1}, resolution);
   });
 }
 

@@ -19,7 +19,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   static DecodedGroup group;
   bool begun = false;
   while (size > 2) {
-    const std::size_t length = std::min<std::size_t>(size - 2, static_cast<std::size_t>(data[0]) | static_cast<std::size_t>(data[1]) << 8U);
+    const std::size_t length =
+        std::min<std::size_t>(size - 2, static_cast<std::size_t>(data[0]) | static_cast<std::size_t>(data[1]) << 8U);
     const auto* bytes = reinterpret_cast<const std::byte*>(data + 2);
     Bytes payload(bytes, bytes + length);
     data += 2 + length;

@@ -125,11 +125,13 @@ TEST(CodecProperty, DamagedBodiesAreRefusedOrDecodeToSomethingBounded) {
     const auto header = parse_payload_header(victim);
     ASSERT_TRUE(header);
     for (auto flips = pick(random, 1, 4); flips > 0 && victim.size() > kPayloadHeaderSize; --flips)
-      victim[kPayloadHeaderSize + random() % (victim.size() - kPayloadHeaderSize)] ^= static_cast<std::byte>(1U << random() % 8);
+      victim[kPayloadHeaderSize + random() % (victim.size() - kPayloadHeaderSize)] ^=
+          static_cast<std::byte>(1U << random() % 8);
     if (random() % 4 == 0) victim.resize(kPayloadHeaderSize + random() % (victim.size() - kPayloadHeaderSize + 1));
     seal_payload(header.value(), victim);
     bool good = decoder.begin(encoded.payloads[0], decoded).has_value();
-    for (std::size_t k = 1; good && k < encoded.payloads.size(); ++k) good = decoder.add(encoded.payloads[k], decoded).has_value();
+    for (std::size_t k = 1; good && k < encoded.payloads.size(); ++k)
+      good = decoder.add(encoded.payloads[k], decoded).has_value();
     refused += good ? 0 : 1;
   }
   EXPECT_GT(refused, 1000U);

@@ -66,7 +66,8 @@ inline Coordinates make_run(Random& random, Kind kind, std::size_t n) {
       case Kind::duplicates: add(i / 5 * pitch, 0, i / 5 % 3); break;
       case Kind::extremes: add((random() % 2) * kSpan, (random() % 2) * kSpan, (random() % 2) * kSpan); break;
       case Kind::wide:
-        add(static_cast<std::int32_t>(random()), random() % 2 == 0 ? std::numeric_limits<std::int32_t>::min() : pick(random, -9, 9),
+        add(static_cast<std::int32_t>(random()),
+            random() % 2 == 0 ? std::numeric_limits<std::int32_t>::min() : pick(random, -9, 9),
             random() % 2 == 0 ? std::numeric_limits<std::int32_t>::max() : static_cast<std::int32_t>(random()));
         break;
       case Kind::digits: {
@@ -86,7 +87,9 @@ inline Coordinates make_run(Random& random, Kind kind, std::size_t n) {
   return c;
 }
 
-inline Kind any_kind(Random& random) { return static_cast<Kind>(pick(random, 0, static_cast<int>(Kind::kinds) - 1)); }
+inline Kind any_kind(Random& random) {
+  return static_cast<Kind>(pick(random, 0, static_cast<int>(Kind::kinds) - 1));
+}
 
 /// A line of up to `max_runs` runs with invalid samples between them.
 inline LineBuffer make_line(Random& random, std::size_t max_runs, std::size_t max_points, bool ulps) {

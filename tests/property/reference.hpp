@@ -17,8 +17,12 @@ using Big = boost::multiprecision::cpp_int;
 struct Fraction {
   Big numerator, denominator;
 };
-inline bool less(const Fraction& a, const Fraction& b) { return a.numerator * b.denominator < b.numerator * a.denominator; }
-inline bool equal(const Fraction& a, const Fraction& b) { return a.numerator * b.denominator == b.numerator * a.denominator; }
+inline bool less(const Fraction& a, const Fraction& b) {
+  return a.numerator * b.denominator < b.numerator * a.denominator;
+}
+inline bool equal(const Fraction& a, const Fraction& b) {
+  return a.numerator * b.denominator == b.numerator * a.denominator;
+}
 
 inline Fraction squared_distance(const Coordinates& c, std::size_t p, std::size_t a, std::size_t b) {
   std::array<Big, 3> e, d, f;

@@ -20,8 +20,9 @@ TEST(LevelSpec, ReadsWhatItWrites) {
 }
 
 TEST(LevelSpec, RefusesNonsense) {
-  for (const char* text : {"", "geometric", "geometric:0", "geometric:17", "geometric:3:1", "geometric:3:x", "uniform:-1", "uniform:2:0",
-                           "explicit:", "explicit:1,2", "explicit:1,1", "explicit:0", "explicit:nan", "cubic:3", "geometric:3:2:1"})
+  for (const char* text :
+       {"", "geometric", "geometric:0", "geometric:17", "geometric:3:1", "geometric:3:x", "uniform:-1", "uniform:2:0",
+        "explicit:", "explicit:1,2", "explicit:1,1", "explicit:0", "explicit:nan", "cubic:3", "geometric:3:2:1"})
     EXPECT_FALSE(parse_level_spec(text)) << text;
 }
 

@@ -11,7 +11,9 @@
 namespace scansion {
 namespace {
 
-std::uint32_t crc_of(std::string_view text) { return crc32c(0, std::as_bytes(std::span(text))); }
+std::uint32_t crc_of(std::string_view text) {
+  return crc32c(0, std::as_bytes(std::span(text)));
+}
 
 TEST(Crc32c, KnownValues) {
   EXPECT_EQ(crc_of(""), 0U);

@@ -32,7 +32,8 @@ TEST(AxisScale, FindsTheSharedStep) {
 TEST(AxisScale, SplitsWhenNearlyAllShareACoarserStep) {
   std::mt19937 random(1);
   std::vector<std::int32_t> values;
-  for (int i = 0; i < 2000; ++i) values.push_back(static_cast<std::int32_t>(random() % 2000000) * 1000 + (i % 20 == 0 ? 370 : 0) - 1000000000);
+  for (int i = 0; i < 2000; ++i)
+    values.push_back(static_cast<std::int32_t>(random() % 2000000) * 1000 + (i % 20 == 0 ? 370 : 0) - 1000000000);
   const AxisScale scale = find_scale(values);
   EXPECT_EQ(scale.step, 1000U);
   EXPECT_TRUE(scale.split);

@@ -62,7 +62,8 @@ TEST(CommonThreshold, EqualsSorting) {
     std::ranges::sort(sorted, std::greater<>());
     const std::uint64_t wanted = kept_of_scan(points, keep) - 2;
     EXPECT_EQ(search.threshold(), sorted[wanted - 1]) << points;
-    const auto above = static_cast<std::uint64_t>(std::ranges::count_if(sorted, [&](double d) { return d > search.threshold(); }));
+    const auto above =
+        static_cast<std::uint64_t>(std::ranges::count_if(sorted, [&](double d) { return d > search.threshold(); }));
     EXPECT_EQ(search.ties(), wanted - above) << points;
   }
 }

@@ -59,7 +59,9 @@ TEST(ValueFormat, ExactLatticesGiveBackTheBits) {
   EXPECT_EQ(text(lattice, Unit::mm, count, single), "0.1");
 }
 
-TEST(ValueFormat, SinglePrecision) { EXPECT_EQ(text(decimal(1, 1'000'000'000), Unit::mm, 123'456'789, 0, true), "0.12345679"); }
+TEST(ValueFormat, SinglePrecision) {
+  EXPECT_EQ(text(decimal(1, 1'000'000'000), Unit::mm, 123'456'789, 0, true), "0.12345679");
+}
 
 } // namespace
 } // namespace scansion
