@@ -6,6 +6,7 @@ import io
 import lzma
 import os
 import random
+import re
 import resource
 import shutil
 import signal
@@ -490,6 +491,20 @@ def stopped_by_a_signal(kit):
     check(not failures, "; ".join(failures))
 
 
+def manual_page(kit):
+    """docs/man/scansion.1 names every command and option that the program has, and no other."""
+    page_path = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../../docs/man/scansion.1")
+    with open(page_path, encoding="utf-8") as file:
+        page = file.read().replace("\\-", "-")
+    known = set()
+    for verb in VERBS:
+        check(f"scansion {verb}" in page, f"the manual page does not name {verb}")
+        known |= set(re.findall(r"--[a-z0-9]+", kit.scansion(verb, "--help").out.decode()))
+    known |= set(re.findall(r"--[a-z0-9]+", kit.scansion("--help").out.decode()))
+    named = set(re.findall(r"--[a-z][a-z0-9]*", page))
+    same((sorted(known - named), sorted(named - known)), ([], []), "options that are missing in the manual page, and too many")
+
+
 def other_verbs(kit):
     """Without a daemon `status` says so; completions are scripts their shells accept."""
     kit.refused(69, "status", "--socket", os.path.join(kit.root, "no-socket"), says="no-socket")
@@ -516,4 +531,4 @@ if __name__ == "__main__":
     run_cases("bad input and bad outputs", [
         missing_input, empty_input, binary_garbage, invalid_samples, huge_numbers, wrong_rows, wrong_ply, damaged_packing,
         folder_without_scans, sparse_file, line_of_three_million_points, usage, outputs_that_cannot_be, special_files_stay,
-        full_standard_output, full_disk, no_permission, stopped_by_a_signal, other_verbs])
+        full_standard_output, full_disk, no_permission, stopped_by_a_signal, manual_page, other_verbs])
