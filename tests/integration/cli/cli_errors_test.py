@@ -137,8 +137,8 @@ def huge_numbers(kit):
     place.bad_scan(place.file("metres.xyz", "0 0 0\n1e10 0 0\n"), "--unit", "m", says="metres.xyz:2")
     # Far behind the part that is looked at first.
     place.bad_scan(place.file("late.xyz", "0 0 0\n" * 1000000 + "0 0 1e300\n"), says="late.xyz:1000001")
-    # A run that spans 2^30 counts cannot be ranked exactly on this lattice.
-    place.bad_scan(place.file("wide.xyz", "0 0 0\n1200000.000 0 0\n0.001 0 0\n"), "--resolution", "0.001", says="wide.xyz:")
+    # More than 2^32 counts of the lattice that was asked for.
+    place.bad_scan(place.file("wide.xyz", "0 0 0\n5000000.000 0 0\n0.001 0 0\n"), "--resolution", "0.001", says="wide.xyz:")
 
 
 def wrong_rows(kit):
@@ -224,25 +224,25 @@ def sparse_file(kit):
     text = place.file("text-then-hole.xyz", "0 0 0\n1 0 0\n")
     os.truncate(text, 2 << 30)
     for source, says in ((hole, hole), (text, text + ":3")):
-        bounded(place.bad_scan(source, says=says), 10)
-        bounded(place.bad_scan(source, "--format", "csv", says=source), 10)
+        bounded(place.bad_scan(source, says=says), 10, kit)
+        bounded(place.bad_scan(source, "--format", "csv", says=source), 10, kit)
     for words in place.readers(hole):
         if words[0] == "recover" and not kit.long:
             os.truncate(hole, 64 << 20)  # it looks for groups in all of it
-        bounded(place.refused(65, *words, says=hole), 60 if words[0] == "recover" else 10)
+        bounded(place.refused(65, *words, says=hole), 60 if words[0] == "recover" else 10, kit)
     # A good recording with a hole behind it: what it holds is still there.
     recording = shutil.copy(place.recording, place.path("recording.mcap"))
     os.truncate(recording, 2 << 30)
-    bounded(kit.scansion("verify", recording, expect=1), 60)
+    bounded(kit.scansion("verify", recording, expect=1), 60, kit)
     out = place.path("recovered.mcap")
-    bounded(kit.scansion("recover", recording, "-o", out, expect=None), 60)
+    bounded(kit.scansion("recover", recording, "-o", out, expect=None), 60, kit)
     kit.scansion("verify", out)
     kit.scansion("compare", out, place.recording)
 
 
-def bounded(outcome, seconds):
-    check(outcome.seconds < seconds, f"{outcome} took {outcome.seconds:.1f} s")
-    check(outcome.peak_kib < 256 * 1024, f"{outcome} took {outcome.peak_kib / 1024:.0f} MiB")
+def bounded(outcome, seconds, kit):
+    check(kit.sanitized or outcome.seconds < seconds, f"{outcome} took {outcome.seconds:.1f} s")
+    check(kit.sanitized or outcome.peak_kib < 256 * 1024, f"{outcome} took {outcome.peak_kib / 1024:.0f} MiB")
     return outcome
 
 
@@ -435,7 +435,7 @@ def no_permission(kit):
 
 
 def stopped(kit, place, words, seconds, stdin=subprocess.DEVNULL, number=signal.SIGTERM):
-    """Sends a signal after `seconds`; the tool must end within two more, with nothing left. False: it was done already."""
+    """Sends a signal after `seconds`; the tool must end within five more, with nothing left. False: it was done already."""
     before = sorted(os.listdir(place.folder))
     process = kit.start("scansion", *words, stdin=stdin, stderr=subprocess.PIPE, cwd=place.folder)
     try:
@@ -443,7 +443,7 @@ def stopped(kit, place, words, seconds, stdin=subprocess.DEVNULL, number=signal.
         done = process.poll() is not None
         process.send_signal(number)
         sent = time.monotonic()
-        message = process.communicate(timeout=2)[1].decode().strip()
+        message = process.communicate(timeout=5)[1].decode().strip()
         after = time.monotonic() - sent
         if process.returncode == 0 and (done or after < 0.3):  # the signal came with the last byte
             return False
@@ -452,7 +452,7 @@ def stopped(kit, place, words, seconds, stdin=subprocess.DEVNULL, number=signal.
         kit.check_no_temporary_files()
         return True
     except subprocess.TimeoutExpired:
-        raise Failure(f"`{' '.join(words)}` still runs 2 s after signal {number}") from None
+        raise Failure(f"`{' '.join(words)}` still runs 5 s after signal {number}") from None
     finally:
         process.kill()
         process.communicate()
@@ -462,7 +462,7 @@ def stopped(kit, place, words, seconds, stdin=subprocess.DEVNULL, number=signal.
 
 def stopped_by_a_signal(kit):
     place = Place(kit, "signal")
-    source = kit.scene(os.path.join(kit.root, "signal.xyz"), "part", "--lines", 5000, "--points", 1000)
+    source = kit.scene(os.path.join(kit.root, "signal.xyz"), "part", "--lines", 3000, "--points", 1000)
     big = kit.compress(source, os.path.join(kit.root, "signal-big.mcap"))
     failures = []
     for words in (["compress", source, "-o", "out.mcap"], ["compress", source, "-o", "-"], ["export", big, "-o", "out.xyz"],

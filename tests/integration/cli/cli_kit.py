@@ -73,6 +73,9 @@ class Kit:
         self.temporary = self.folder("tmp")
         self.environment = dict(os.environ, TMPDIR=self.temporary, NO_COLOR="1", LC_ALL="C")
         self.environment.pop("SCANSION_SOCKET", None)
+        # Programs built with sanitizers are slow and large: figures of time and memory say nothing then.
+        with open(os.path.join(self.bin, "scansion"), "rb") as file:
+            self.sanitized = b"__asan_init" in file.read()
 
     def needs_long(self, what):
         if not self.long:

@@ -19,6 +19,11 @@ class Big:
     points = 0
 
 
+def needs_scene():
+    if Big.source is None:
+        raise Skip("there is no scene")
+
+
 def within(kit, what, *words, **more):
     outcome = kit.scansion(*words, timeout=3600 if kit.long else 300, **more)
     print(f"  {what}: {outcome.peak_kib / 1024:.0f} MiB, {outcome.seconds:.1f} s", flush=True)
@@ -27,6 +32,8 @@ def within(kit, what, *words, **more):
 
 
 def make_scene(kit):
+    if kit.sanitized:
+        raise Skip("the program is built with sanitizers, which take memory of their own")
     Big.points = (LONG_LINES if kit.long else LINES) * POINTS
     needed = Big.points * 60  # bytes: input, one export as text, recording
     free = shutil.disk_usage(kit.root).free
@@ -37,6 +44,7 @@ def make_scene(kit):
 
 
 def compress(kit):
+    needs_scene()
     Big.recording = os.path.join(kit.root, "big.mcap")
     report = within(kit, "compress", "compress", Big.source, "-o", Big.recording, "--json").json()
     same(report["points"], Big.points, "points")
@@ -45,6 +53,7 @@ def compress(kit):
 
 def compress_in_other_ways(kit):
     """From a pipe, with every bit kept, and with many levels."""
+    needs_scene()
     out = os.path.join(kit.root, "other.mcap")
     pipe = subprocess.Popen(["cat", Big.source], stdout=subprocess.PIPE)
     within(kit, "compress from a pipe", "compress", "-", "-o", out, stdin=pipe.stdout)
@@ -58,6 +67,7 @@ def compress_in_other_ways(kit):
 
 def compress_on_many_threads(kit):
     """As on machines with many processors, where this is the default."""
+    needs_scene()
     out = os.path.join(kit.root, "threads.mcap")
     for threads in ("8", "64"):
         within(kit, f"compress --threads {threads}", "compress", Big.source, "-o", out, "--force", "--threads", threads)
@@ -66,6 +76,7 @@ def compress_on_many_threads(kit):
 
 def compress_a_grid(kit):
     """A PLY range grid has to be turned round; its vertices go to a file."""
+    needs_scene()
     columns, rows = (4000, 2500) if kit.long else (1000, 1000)
     source = os.path.join(kit.root, "grid.ply")
     header = (f"ply\nformat ascii 1.0\nobj_info num_cols {columns}\nobj_info num_rows {rows}\nelement vertex {columns * rows}\n"
@@ -86,6 +97,7 @@ def compress_a_grid(kit):
 
 
 def export(kit):
+    needs_scene()
     for name, words in (("all", []), ("level-0", ["--level", "0"]), ("tolerance", ["--tolerance", "0.05"]),
                         ("reduction", ["--reduction", "95"]), ("scan", ["--reduction", "95", "--scope", "scan"])):
         for form in ("xyz", "ply"):
@@ -98,6 +110,7 @@ def export(kit):
 
 
 def export_in_other_ways(kit):
+    needs_scene()
     out = os.path.join(kit.root, "out")
     within(kit, "export of the rearrangement", "export", Big.recording, "-o", out, "--what", "rearrangement")
     os.remove(out)
@@ -112,6 +125,7 @@ def export_in_other_ways(kit):
 
 def everything_comes_back(kit):
     """The text that went in, number by number."""
+    needs_scene()
     out = os.path.join(kit.root, "all.xyz")
     within(kit, "export every point", "export", Big.recording, "-o", out)
     points = 0
@@ -125,6 +139,7 @@ def everything_comes_back(kit):
 
 
 def check_and_repair(kit):
+    needs_scene()
     out = os.path.join(kit.root, "recovered.mcap")
     within(kit, "info", "info", Big.recording)
     within(kit, "verify", "verify", Big.recording)
