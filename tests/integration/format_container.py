@@ -17,6 +17,13 @@ CHUNK_LIMIT = 192 << 20
 SMALL_LIMIT = 64 << 10
 METADATA_STRIDE = 256  # groups between two copies of the metadata
 
+SCHEMAS = [  # name, encoding, data; ids from 1
+    ("scansion.Lines", "scansion", "Line table of a group of scan lines; see docs/FORMAT.md of Scansion."),
+    ("scansion.Level", "scansion", "Points of one level of detail; see docs/FORMAT.md of Scansion."),
+    ("scansion.Gap", "jsonschema",
+     '{"title":"scansion.Gap","type":"object","properties":{"first":{"type":"integer","minimum":0},'
+     '"count":{"type":["integer","null"],"minimum":1},"reason":{"type":"string"}},"required":["first","count","reason"]}'),
+]
 FACTS = ("format device stream unit resolution origin source exact levels level_count stored_levels rounding_mm gap_mm "
          "started_ns").split()
 TOTALS = "lines points runs invalid gaps groups rounding_mm ended_ns".split()
@@ -146,35 +153,22 @@ class Checker:
                           f"{have[first:first + 16].hex(' ')}, want {wanted[first:first + 16].hex(' ')}")
 
     def head(self):
-        """Header, Schemas, Channels, Metadata. The schemas' texts are free but for ids, names and encodings."""
+        """Header, Schemas, Channels, Metadata."""
         wanted = MAGIC + record(HEADER, text("scansion") + text("scansion 1"))
         at = self.expect(0, wanted, "the head")
-        named = [(1, "scansion.Lines", "scansion"), (2, "scansion.Level", "scansion"), (3, "scansion.Gap", "jsonschema")]
-        have = []
-        for offset, opcode, content in records(self.data, at):
-            end = offset + 9 + len(content)
-            if opcode == SCHEMA:
-                fields = Fields(content, f"byte {offset}: schema")
-                have.append((fields.number("H"), fields.text(), fields.text()))
-                need(fields.sized(), f"byte {offset}: schema without data")
-                fields.end()
-                self.schemas.append(self.data[offset:end])
-            elif opcode == CHANNEL:
-                self.channels.append(self.data[offset:end])
-            else:
-                need(opcode == METADATA, f"byte {offset}: opcode {opcode} in the head")
-                need(have == named, f"byte {at}: schemas {have}, want {named}")
-                self.out.facts = parse_metadata(content, f"byte {offset}: metadata scansion", FACTS)
-                self.metadata_record = self.built_metadata("scansion", self.out.facts)
-                rows = channels(self.out.facts)
-                built = [record(CHANNEL, struct.pack("<HH", i, schema) + text(topic) + text(encoding) + struct.pack("<I", 0))
+        self.schemas = [record(SCHEMA, struct.pack("<H", i + 1) + b"".join(map(text, row))) for i, row in enumerate(SCHEMAS)]
+        found = next((row for row in records(self.data, at) if row[1] not in (SCHEMA, CHANNEL)), None)
+        need(found, "the head is cut off: no metadata, nothing can be read")
+        offset, opcode, content = found
+        need(opcode == METADATA, f"byte {offset}: opcode {opcode} in the head")
+        self.out.facts = parse_metadata(content, f"byte {offset}: metadata scansion", FACTS)
+        self.metadata_record = self.built_metadata("scansion", self.out.facts)
+        rows = channels(self.out.facts)
+        self.channels = [record(CHANNEL, struct.pack("<HH", i, schema) + text(topic) + text(encoding) + struct.pack("<I", 0))
                          for i, topic, encoding, schema in rows]
-                self.expect(at, b"".join(self.schemas + built) + self.metadata_record, "the head")
-                self.channels = built
-                self.names = {row[0]: row[1].rsplit("/", 1)[1] for row in rows}
-                self.metadata.append((offset, end - offset, "scansion"))
-                return end
-        raise FormatError("the head is cut off: no metadata, nothing can be read")
+        self.names = {row[0]: row[1].rsplit("/", 1)[1] for row in rows}
+        self.metadata.append((offset, len(self.metadata_record), "scansion"))
+        return self.expect(at, b"".join(self.schemas + self.channels) + self.metadata_record, "the head")
 
     @staticmethod
     def built_metadata(name, values):

@@ -94,18 +94,25 @@ def cases(folder):
         "along-y": [[["%.2f" % (0.4 * i), "%.2f" % (0.3 * j), "%.2f" % (math.sin(j / 8) + 0.1 * i)]
                      for j in (range(70) if i % 2 else range(69, -1, -1))] for i in range(8)],
         "along-z": [[["%.2f" % math.cos(j / 5), "%d" % i, "%.2f" % (0.3 * j)] for j in range(70)] for i in range(4)],
+        "shared-step": [[[f"{0.128 * j + (0.003 if rng.random() < 0.03 else 0):.3f}", f"{i}", f"{0.064 * rng.randrange(9):.3f}"]
+                         for j in range(400)] for i in range(9)],
+        "more-noise-later": [[[f"{j}", f"{i}", f"{(rng.randrange(-9, 10) * (200 if i > 63 else 1)) / 1000:.3f}"] for j in range(12)]
+                             for i in range(200)],
         "flat": [[[f"{j}", f"{i}", "0"] for j in range(50)] for i in range(4)],
     }
     for name, lines in made.items():
         yield name, ".xyz", xyz(lines), [], lines
     for options in (["--levels", "explicit:5,1,0.02"], ["--levels", "explicit:0.5"], ["--levels", "uniform:4"],
                     ["--levels", "uniform:16:3"], ["--levels", "geometric:1"], ["--levels", "geometric:5:2"], ["--gap", "0.15"],
-                    ["--unit", "in"], ["--resolution", "1e-05"], ["--device", "table-1.x"]):
+                    ["--unit", "in"], ["--levels", "uniform:2"], ["--resolution", "1e-05"], ["--device", "table-1.x"]):
         yield " ".join(options), ".xyz", xyz(part[:12]), options, part[:12]
     yield "rounded", ".xyz", xyz(part[:4]), ["--resolution", "0.007"], None
     for form in "fd":
         lines = floats(rng, 5, form)
         yield "exact-" + form, ".ply", ply(lines, form), ["--resolution", "exact"], lines
+        wide = [[[repr(x) for x in (1000.125 + i, -i / 4, struct.unpack("f", struct.pack("f", i * 1.7 + 0.3 ** (i % 20)))[0])]
+                 for i in range(200)]]
+        yield "exact-wide-" + form, ".ply", ply(wide, form), ["--resolution", "exact"], wide
         yield "rounded-" + form, ".ply", ply(lines, form), ["--resolution", "0.001"], None
     yield "metadata-copies", ".xyz", xyz([[[f"{i % 97}", f"{i}", "0"]] for i in range(64 * 256 + 3)]), [], None
 
