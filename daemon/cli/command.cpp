@@ -12,10 +12,10 @@
 namespace scansion::cli {
 namespace {
 
-volatile std::sig_atomic_t stop_signal = 0;
-
-extern "C" void on_stop_signal(int number) {
-  stop_signal = number;
+// Only calls that are allowed in a signal handler.
+extern "C" void on_stop_signal(int) {
+  unlink_pending_files();
+  ::_exit(kInterrupted);
 }
 
 } // namespace
@@ -26,26 +26,16 @@ void say(const std::string& message) {
   static_cast<void>(std::fwrite(line.data(), 1, line.size(), stderr));
 }
 
-bool stop_requested() noexcept {
-  return stop_signal != 0;
-}
-
 void catch_stop_signals() {
   struct sigaction action {};
   action.sa_handler = on_stop_signal;
   sigemptyset(&action.sa_mask);
-  action.sa_flags = static_cast<int>(SA_RESETHAND); // a second signal ends the program at once
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
   struct sigaction ignore {};
   ignore.sa_handler = SIG_IGN; // a closed pipe is a write error with a message, a file size limit too
   sigaction(SIGPIPE, &ignore, nullptr);
   sigaction(SIGXFSZ, &ignore, nullptr);
-}
-
-Result<void> check_stop() {
-  if (stop_requested()) return fail(Errc::cancelled, "stopped on request; no output was left");
-  return success();
 }
 
 ProgressLine::ProgressLine(std::string what)

@@ -37,10 +37,8 @@ struct Verb {
 /// One line on standard error, with the program's name in front.
 void say(const std::string& message);
 
-/// Set by SIGINT and SIGTERM; long work looks at it and ends with Errc::cancelled, so that temporary files go away.
-[[nodiscard]] bool stop_requested() noexcept;
+/// SIGINT and SIGTERM from now on end the program with exit code 130 and leave no temporary file behind.
 void catch_stop_signals();
-[[nodiscard]] Result<void> check_stop();
 
 /// A line on standard error that is redrawn while work goes on; only on a terminal.
 class ProgressLine {

@@ -97,7 +97,6 @@ Result<Difference> first_difference(const Options& o, RecordingReader& a, Record
   LineCursor of_a(a);
   LineCursor of_b(b);
   while (true) {
-    SCANSION_TRY(check_stop());
     SCANSION_TRY(more_a, of_a.next());
     SCANSION_TRY(more_b, of_b.next());
     if (!more_a && !more_b) return Difference();

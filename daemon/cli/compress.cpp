@@ -107,7 +107,6 @@ Result<void> Compression::pump(Importer& importer, GroupWorkers& workers, Totals
     if (more) builder.add(line);
     totals.times.read += thread_time_ns() - start;
     if (close) {
-      SCANSION_TRY(check_stop());
       progress.show(importer.counts().bytes_read, importer.counts().bytes_total);
       SCANSION_TRY(workers.push(group));
     }

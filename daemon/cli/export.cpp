@@ -121,10 +121,7 @@ Result<int> run_export(const Options& o) {
   SCANSION_TRY(reader, RecordingReader::open(o.recording));
   const std::string format = o.format.empty() ? (o.output == "-" ? std::string("xyz") : ending_of(o.output)) : o.format;
   ProgressLine line("export");
-  const Progress progress = [&](std::uint64_t done, std::uint64_t total) {
-    line.show(done, total);
-    return check_stop();
-  };
+  const Progress progress = [&](std::uint64_t done, std::uint64_t total) { line.show(done, total); };
   if (format == "mcap") {
     SCANSION_TRY(cut_mcap(o, reader, selection));
   } else if (o.what == "rearrangement") {

@@ -33,7 +33,6 @@ Result<Summary> summarize(RecordingReader& reader) {
   DecodedGroup decoded;
   std::uint32_t epoch = 0;
   for (std::size_t g = 0; g < reader.groups().size(); ++g) {
-    SCANSION_TRY(check_stop());
     SCANSION_TRY(reader.read_lines(g, decoded));
     s.lines += decoded.group.lines.size();
     s.runs += decoded.group.runs.size();

@@ -2,11 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/cli/command.hpp"
 
+#include <cerrno>
+#include <cstdio>
+#include <system_error>
 #include <vector>
 
 int main(int argc, char** argv) {
   using namespace scansion;
   using namespace scansion::cli;
+  catch_stop_signals();
   CLI::App root{"Multiresolution recordings of digitizing machines and laser line scanners", "scansion"};
   root.set_version_flag("--version", SCANSION_VERSION);
   root.require_subcommand(1);
@@ -19,13 +23,18 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return root.exit(error) == 0 ? kDone : kUsage;
   }
-  catch_stop_signals();
   for (const Verb& verb : verbs) {
     if (!verb.app->parsed()) continue;
     const Result<int> code = verb.run();
-    if (code) return code.value();
-    say(code.error().context);
-    return code.error().code == Errc::cancelled ? kInterrupted : exit_code(code.error().code);
+    if (!code) {
+      say(code.error().context);
+      return exit_code(code.error().code);
+    }
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
+      say("cannot write standard output: " + std::generic_category().message(errno));
+      return exit_code(Errc::io);
+    }
+    return code.value();
   }
   return kUsage;
 }

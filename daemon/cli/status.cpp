@@ -48,10 +48,7 @@ Result<int> run_status(const Options& o) {
       print_text(status);
     std::fflush(stdout);
     if (!o.watch || std::ferror(stdout) != 0) return kDone;
-    for (int tick = 0; tick < 10; ++tick) {
-      if (stop_requested()) return kDone;
-      std::this_thread::sleep_for(std::chrono::milliseconds(100));
-    }
+    std::this_thread::sleep_for(std::chrono::seconds(1));
   }
 }
 

@@ -140,7 +140,7 @@ private:
   }
 
   void recovered() {
-    spdlog::warn("{}: back after {} failures", shared_.config.name, repeats_ + 1); // as loud as the loss
+    spdlog::warn("{}: back, failed attempts before: {}", shared_.config.name, repeats_ + 1); // as loud as the loss
     error_.clear();
     repeats_ = 0;
     shared_.set_error({});

@@ -56,9 +56,7 @@ Result<ExportReport> export_points(RecordingReader& reader, const Selection& sel
   std::vector<std::uint32_t> chosen;
   SCANSION_TRY(writer.begin(file));
   for (std::size_t g = 0; g < reader.groups().size(); ++g) {
-    if (progress) {
-      SCANSION_TRY(progress(g, reader.groups().size()));
-    }
+    if (progress) progress(g, reader.groups().size());
     SCANSION_TRY(wanted, touches(reader, g, selection));
     if (!wanted) continue;
     SCANSION_TRY(selector.select(g, selected));
@@ -97,9 +95,7 @@ Result<ExportReport> export_rearrangement(RecordingReader& reader, const Selecti
   std::vector<std::uint32_t> order;
   ExportReport report;
   for (std::size_t g = 0; g < reader.groups().size(); ++g) {
-    if (progress) {
-      SCANSION_TRY(progress(g, reader.groups().size()));
-    }
+    if (progress) progress(g, reader.groups().size());
     SCANSION_TRY(wanted, touches(reader, g, selection));
     if (!wanted) continue;
     SCANSION_TRY(reader.read_group(g, facts.level_count, decoded));

@@ -17,8 +17,8 @@ struct ExportReport {
   std::optional<double> error_mm;
 };
 
-/// Called between groups with (done, total); an error ends the work with that error. May be empty.
-using Progress = std::function<Result<void>(std::uint64_t, std::uint64_t)>;
+/// Called between groups with (done, total). May be empty.
+using Progress = std::function<void(std::uint64_t, std::uint64_t)>;
 
 /// Writes the selected points through `writer`; memory follows the group.
 [[nodiscard]] Result<ExportReport> export_points(RecordingReader& reader, const Selection& selection, PointWriter& writer,

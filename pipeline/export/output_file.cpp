@@ -25,12 +25,6 @@ Result<void> write_all(int fd, std::string_view bytes, const std::string& shown)
   return success();
 }
 
-Error creation_error(const std::string& path, int number) {
-  Error error = system_error("cannot create " + path, number);
-  if (error.code != Errc::permission) error.code = Errc::cannot_create;
-  return error;
-}
-
 bool is_special(const std::string& path) {
   struct stat info {};
   return ::stat(path.c_str(), &info) == 0 && !S_ISREG(info.st_mode) && !S_ISDIR(info.st_mode);
@@ -61,48 +55,6 @@ Result<void> copy_to_stdout(const std::string& path) {
   const Result<void> copied = copy_to_stdout(fd, path);
   ::close(fd);
   return copied;
-}
-
-Result<PendingFile> PendingFile::create(const std::string& path, bool force) {
-  struct stat info {};
-  if (::stat(path.c_str(), &info) == 0) {
-    if (S_ISDIR(info.st_mode)) return fail(Errc::cannot_create, "cannot create ", path, ": it is a folder");
-    if (!force) return fail(Errc::exists, path, " exists; give --force to replace it");
-  }
-  std::string pending = path + "." + std::to_string(::getpid()) + ".part";
-  // Tried now, so that a folder that cannot be written to is found before the work.
-  const int fd = ::open(pending.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
-  if (fd < 0) return boost::outcome_v2::failure(creation_error(path, errno));
-  ::close(fd);
-  ::unlink(pending.c_str());
-  return PendingFile(path, std::move(pending), force);
-}
-
-PendingFile::PendingFile(PendingFile&& other) noexcept
-    : path_(std::move(other.path_)), pending_(std::exchange(other.pending_, {})), force_(other.force_) {}
-
-PendingFile& PendingFile::operator=(PendingFile&& other) noexcept {
-  std::swap(path_, other.path_);
-  std::swap(pending_, other.pending_);
-  std::swap(force_, other.force_);
-  return *this;
-}
-
-PendingFile::~PendingFile() {
-  if (!pending_.empty()) ::unlink(pending_.c_str());
-}
-
-Result<void> PendingFile::commit() {
-  // link() refuses to replace what appeared since create(); not every file system has it, then rename() must do.
-  if (!force_ && ::link(pending_.c_str(), path_.c_str()) == 0) {
-    ::unlink(pending_.c_str());
-    pending_.clear();
-    return success();
-  }
-  if (!force_ && errno == EEXIST) return fail(Errc::exists, path_, " appeared meanwhile; give --force to replace it");
-  if (::rename(pending_.c_str(), path_.c_str()) != 0) return boost::outcome_v2::failure(creation_error(path_, errno));
-  pending_.clear();
-  return success();
 }
 
 OutputFile::OutputFile(OutputFile&& other) noexcept

@@ -3,33 +3,13 @@
 #pragma once
 
 #include "pipeline/model/result.hpp"
+#include "pipeline/record/pending_file.hpp"
 
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace scansion {
-
-/// A name beside `path` for a file that is renamed to `path` when it is complete; removed again unless commit() was called.
-class PendingFile {
-public:
-  /// Fails with exists when `path` is there and not `force`, with cannot_create or permission when its folder cannot take a
-  /// file.
-  [[nodiscard]] static Result<PendingFile> create(const std::string& path, bool force);
-  PendingFile(PendingFile&& other) noexcept;
-  PendingFile& operator=(PendingFile&& other) noexcept;
-  ~PendingFile();
-
-  [[nodiscard]] const std::string& name() const noexcept { return pending_; } ///< of the pending file; does not exist yet
-  /// Renames the pending file to its final name; without `force` an output that appeared meanwhile is not replaced.
-  [[nodiscard]] Result<void> commit();
-
-private:
-  PendingFile(std::string path, std::string pending, bool force)
-      : path_(std::move(path)), pending_(std::move(pending)), force_(force) {}
-  std::string path_, pending_;
-  bool force_ = false;
-};
 
 /// Buffered text or binary output to a PendingFile, or to standard output for "-". Bytes may be patched before the end, so
 /// output to "-" is held in an unlinked temporary file until commit() when `patching` is set.

@@ -43,7 +43,6 @@ int exit_code(Errc code) noexcept {
     case Errc::io: return 74;
     case Errc::permission: return 77;
     case Errc::config: return 78;
-    case Errc::cancelled: return 1;
     case Errc::bug: return 70;
   }
   return 70;
@@ -63,7 +62,6 @@ const char* explain(Errc code) noexcept {
     case Errc::io: return "reading or writing failed";
     case Errc::permission: return "the operating system refused access";
     case Errc::config: return "the configuration is wrong";
-    case Errc::cancelled: return "stopped on request";
     case Errc::bug: return "an internal rule was broken";
   }
   return "unknown error";

@@ -27,7 +27,6 @@ enum class Errc : std::uint8_t {
   io,            ///< reading or writing failed; includes a full disk
   permission,    ///< the operating system says no
   config,        ///< the configuration is wrong
-  cancelled,     ///< stopped on request
   bug            ///< cannot happen; please report
 };
 

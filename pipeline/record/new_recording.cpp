@@ -3,6 +3,7 @@
 #include "pipeline/record/new_recording.hpp"
 
 #include "pipeline/record/metadata.hpp"
+#include "pipeline/record/pending_file.hpp"
 
 #include <unistd.h>
 
@@ -36,17 +37,21 @@ Result<NewRecording> NewRecording::create(const std::string& path, const Recordi
       ::unlink(temporary.c_str());
       return std::move(appender).error();
     }
+    remember_pending(temporary);
     return NewRecording(path, temporary, std::move(appender).value());
   }
   return fail(Errc::cannot_create, path, ": no free temporary name beside it; remove old .part files");
 }
 
 NewRecording::~NewRecording() {
-  if (!temporary_.empty()) ::unlink(temporary_.c_str());
+  if (temporary_.empty()) return;
+  ::unlink(temporary_.c_str());
+  forget_pending(temporary_);
 }
 
 Result<void> NewRecording::commit() {
   SCANSION_TRY(rename_to_new(temporary_, path_));
+  forget_pending(temporary_);
   temporary_.clear();
   return sync_directory_of(path_);
 }

@@ -23,7 +23,8 @@ struct GroupEntry {
 
 class RecordingReader {
 public:
-  /// Opens without repair. A file that was cut or killed opens as far as its last whole chunk. Fails with not_found,
+  /// Opens without repair. A file that was cut or killed opens as far as its last whole group, chunk and
+  /// message indexes. Fails with not_found,
   /// permission, undecodable (no recording of ours) or damaged (the head cannot be trusted: try recover).
   [[nodiscard]] static Result<RecordingReader> open(const std::string& path);
   RecordingReader(RecordingReader&&) noexcept;

@@ -200,7 +200,7 @@ def damaged_packing(kit):
         for _ in range(256):
             file.write(bytes(1 << 20))
     outcome = place.bad_scan(bomb, says="bomb.xyz.gz")
-    check(outcome.seconds < 10, f"{outcome} took {outcome.seconds} s")
+    check(outcome.seconds < 60, f"{outcome} took {outcome.seconds} s")
 
 
 def folder_without_scans(kit):
