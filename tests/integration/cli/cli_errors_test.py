@@ -229,7 +229,7 @@ def sparse_file(kit):
     for words in place.readers(hole):
         if words[0] == "recover" and not kit.long:
             os.truncate(hole, 64 << 20)  # it looks for groups in all of it
-        bounded(place.refused(65, *words, says=hole), 60 if words[0] == "recover" else 10, kit)
+        bounded(place.refused(65, *words, says=hole), 60, kit)
     # A good recording with a hole behind it: what it holds is still there.
     recording = shutil.copy(place.recording, place.path("recording.mcap"))
     os.truncate(recording, 2 << 30)
