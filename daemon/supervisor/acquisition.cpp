@@ -147,6 +147,7 @@ private:
   }
 
   void report(const Error& error) {
+    shared_.set_error(error.context); // before the state: who sees the state may ask why
     machine_.failed(error.code, shared_.clock.steady_ns());
     publish(); // lost, when it was streaming
     driver_.close();
@@ -159,7 +160,6 @@ private:
       spdlog::debug("{}: {} (again, {} times)", shared_.config.name, error.context, repeats_);
     }
     error_ = error.context;
-    shared_.set_error(error.context);
     publish();
   }
 
