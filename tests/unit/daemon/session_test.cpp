@@ -196,8 +196,10 @@ TEST_F(Session, FullDiskHoldsUpARecordedSourceWithoutLoss) {
   settings_.recorder.pending_bytes = 20'000;
   disk_.full = true;
   start(recorded(5000), manual_);
-  ASSERT_TRUE(eventually([&] { return session_->status().queue_depth == LineQueue::kLines; }));
-  EXPECT_EQ(session_->status().blocked, "no space left");
+  ASSERT_TRUE(eventually([&] {
+    const DeviceStatus status = session_->status();
+    return status.queue_depth == LineQueue::kLines && status.blocked == "no space left" && status.pending_groups > 1;
+  }));
   EXPECT_LT(session_->status().lines, 1000U);
   EXPECT_EQ(session_->status().state, "streaming");
   disk_.full = false;
