@@ -379,6 +379,7 @@ class Recording:
         self.origin = [int(count) for count in facts["origin"].split(" ")]
         need(len(self.origin) == 3, f"origin {facts['origin']}")
         self.form = {"decimal": None, "float32": "f", "float64": "d"}[facts["source"]]
+        need(facts["exact"] == "no" or facts["exact"] == "yes" and self.form, f"exact {facts['exact']} of {facts['source']}")
         self.level_count, self.stored = int(facts["level_count"]), int(facts["stored_levels"])
         wanted = self.stored if level is None else min(level + 1, self.stored)
         self.groups = [self.read_group(sequence, time, payloads, wanted) for sequence, time, payloads in container.groups]
