@@ -133,7 +133,7 @@ Result<void> run_scene(const SceneRequest& request) {
     if (text.size() >= kFlush) {
       SCANSION_TRY(flush());
     }
-    if (stop_requested()) return fail(Errc::cancelled, request.output, ": stopped by a signal; nothing was kept");
+    if (stop_requested()) return fail(Errc::io, request.output, ": stopped by a signal; nothing was kept");
     progress.at(line.index + std::uint64_t{1});
   }
   SCANSION_TRY(flush());
