@@ -176,6 +176,7 @@ Result<int> compress(Options o) {
   SCANSION_TRY(levels, parse_level_spec(o.levels));
   SCANSION_TRY(import, import_options(o));
   if (o.threads == 0) o.threads = std::max(1U, std::thread::hardware_concurrency());
+  o.threads = std::min(o.threads, kMostThreads);
   // Standard output gets the finished recording through a temporary file.
   const bool to_stdout = o.output == "-";
   const std::string target = to_stdout ? temporary_folder() + "/scansion-stdout" : o.output;
@@ -219,7 +220,8 @@ Verb add_compress(CLI::App& root) {
   app->add_option("--features", o->features, "Feature lines beside the points (this version finds none)")
       ->check(CLI::IsMember({"on", "off"}))
       ->capture_default_str();
-  app->add_option("--threads", o->threads, "Threads for ranking and coding; 0: one per processor. Never changes the output")
+  app->add_option("--threads", o->threads,
+                  "Threads for ranking and coding, up to 16; 0: one per processor. Never changes the output")
       ->check(CLI::Range(0, 256))
       ->capture_default_str();
   app->add_option("--grid", o->grid, "What a scan line is in a PLY range grid")

@@ -20,6 +20,9 @@ struct StageTimes {
 /// Processor time of the calling thread in ns.
 [[nodiscard]] std::int64_t thread_time_ns() noexcept;
 
+/// Each thread has two groups of its own in memory; more threads would wait for the one that reads.
+inline constexpr unsigned kMostThreads = 16;
+
 /// Thread-bound to its creator except for its own workers. With one thread everything runs in the caller.
 class GroupWorkers {
 public:

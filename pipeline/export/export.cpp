@@ -92,6 +92,7 @@ Result<ExportReport> export_rearrangement(RecordingReader& reader, const Selecti
   Ranker ranker(resolution);
   GroupRanks ranks;
   DecodedGroup decoded;
+  RankSorter sorter;
   std::vector<std::uint32_t> order;
   ExportReport report;
   for (std::size_t g = 0; g < reader.groups().size(); ++g) {
@@ -106,7 +107,7 @@ Result<ExportReport> export_rearrangement(RecordingReader& reader, const Selecti
       std::size_t number = 0;
       for (const Run& run : decoded.group.runs_of(line)) {
         const auto distance = std::span(ranks.distance).subspan(run.first, run.count);
-        rank_order(distance, std::span(ranks.depth).subspan(run.first, run.count), order);
+        sorter.sort(distance, std::span(ranks.depth).subspan(run.first, run.count), order);
         SCANSION_TRY(write_run(file, line.index, number++, distance, order));
         report.points += run.count;
       }

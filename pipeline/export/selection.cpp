@@ -142,7 +142,7 @@ void Selector::keep_by_tolerance(SelectedGroup& out) {
 void Selector::keep_reduced_run(const Run& run, SelectedGroup& out) {
   const std::uint64_t count = kept_of_run(run.count, selection_.kept_share);
   rank_known(out.decoded, run);
-  rank_order(distance_, depth_, order_);
+  sorter_.sort(distance_, depth_, order_);
   for (std::uint64_t i = 0; i < count; ++i) out.keep[run.first + order_[i]] = 1;
 }
 
@@ -156,7 +156,7 @@ void Selector::keep_common_run(const Run& run, SelectedGroup& out) {
   const std::uint64_t take = std::min(tied, ties_);
   ties_ -= take;
   if (take == 0) return;
-  rank_order(distance_, depth_, order_);
+  sorter_.sort(distance_, depth_, order_);
   const auto first = std::ranges::find_if(order_, [&](std::uint32_t i) { return distance_[i] == threshold_; });
   for (auto i = first; i != first + static_cast<std::ptrdiff_t>(take); ++i) out.keep[run.first + *i] = 1;
 }

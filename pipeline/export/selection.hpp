@@ -67,6 +67,7 @@ private:
   RecordingReader* reader_;
   Selection selection_;
   Ranker ranker_;
+  RankSorter sorter_;
   double threshold_ = 0.0; ///< of the common order: keep D > threshold_ ...
   std::uint64_t ties_ = 0; ///< ... and so many more of those with D == threshold_, in order
   // Scratch of the run being ranked.

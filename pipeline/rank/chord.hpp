@@ -4,6 +4,7 @@
 
 #include "pipeline/rank/exact.hpp"
 #include "pipeline/rank/rank.hpp"
+#include "pipeline/rank/vector_job.hpp"
 
 #include <array>
 
@@ -144,9 +145,6 @@ private:
     return u * u;
   }
 };
-
-/// Spans below this keep every squared distance of the fast kernels in 128 bits.
-inline constexpr std::int64_t kNarrowSpan = std::int64_t{1} << 30;
 
 /// Calls `visit` with the kernel that suits the run: planar when a coordinate is constant, wide when a span calls for it.
 template <class Visit>

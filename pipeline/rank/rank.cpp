@@ -1,104 +1,128 @@
-// The complete Douglas-Peucker rearrangement with an explicit stack.
+// The complete Douglas-Peucker rearrangement: which code ranks a run, and the one that takes any run.
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/rank/rank.hpp"
 
-#include "pipeline/rank/chord.hpp"
+#include "pipeline/rank/farthest.hpp"
+#include "pipeline/rank/vector_job.hpp"
 
-#include <algorithm>
 #include <array>
 #include <limits>
-#include <numeric>
 #include <type_traits>
 
 namespace scansion {
 namespace {
 
-/// How far index k is from the middle of the interval (a, b), doubled: the smaller, the closer.
-class MiddleRule {
-public:
-  explicit MiddleRule(std::span<const std::uint32_t> position) noexcept : position_(position) {}
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-  [[nodiscard]] std::int64_t off_middle(std::size_t k, std::size_t a, std::size_t b) const noexcept {
-    const std::int64_t twice = 2 * at(k) - (at(a) + at(b));
-    return twice < 0 ? -twice : twice;
-  }
-  /// The inner point closest to the middle, the smaller index of two; a + 1 < b.
-  [[nodiscard]] std::size_t middle(std::size_t a, std::size_t b) const noexcept {
-    if (position_.empty()) return (a + b) / 2;
-    const auto inner = position_.subspan(a + 1, b - a - 1);
-    const auto upper = std::ranges::lower_bound(inner, (position_[a] + position_[b]) / 2);
-    std::size_t k = a + 1 + static_cast<std::size_t>(upper - inner.begin());
-    if (k == b) return b - 1;
-    if (k > a + 1 && off_middle(k - 1, a, b) <= off_middle(k, a, b)) --k;
-    return k;
-  }
-
-private:
-  [[nodiscard]] std::int64_t at(std::size_t k) const noexcept {
-    return position_.empty() ? static_cast<std::int64_t>(k) : static_cast<std::int64_t>(position_[k]);
-  }
-  std::span<const std::uint32_t> position_;
-};
-
-template <class Kernel>
-struct Farthest {
-  std::size_t index = 0;
-  exact::Squared<typename Kernel::Number, typename Kernel::Length> distance;
-};
-
-template <class Kernel>
-Farthest<Kernel> farthest(const Kernel& kernel, const MiddleRule& rule, std::size_t a, std::size_t b) {
-  const auto chord = kernel.chord(a, b);
-  // Best inside the ends and best beyond them are kept apart: within each the comparison is one integer.
-  typename Kernel::Cross best_cross = 0;
-  typename Kernel::Beyond best_beyond = 0;
-  std::size_t inside = 0;
-  std::size_t outside = 0;
-  for (std::size_t k = a + 1; k < b; ++k) {
-    typename Kernel::Cross cross;
-    typename Kernel::Beyond beyond;
-    if (kernel.measure(chord, k, cross, beyond)) {
-      if (cross > best_cross || inside == 0 ||
-          (cross == best_cross && rule.off_middle(k, a, b) < rule.off_middle(inside, a, b))) {
-        best_cross = cross;
-        inside = k;
-      }
-    } else if (beyond > best_beyond || outside == 0 ||
-               (beyond == best_beyond && rule.off_middle(k, a, b) < rule.off_middle(outside, a, b))) {
-      best_beyond = beyond;
-      outside = k;
-    }
-  }
-  const Farthest<Kernel> in{inside, {Kernel::squared(best_cross), chord.length}};
-  const Farthest<Kernel> out{outside, {best_beyond, 1}};
-  if (outside == 0) return in;
-  if (inside == 0) return out;
-  const int order = exact::compare(in.distance, out.distance, chord.length);
-  if (order != 0) return order > 0 ? in : out;
-  const std::int64_t in_off = rule.off_middle(inside, a, b);
-  const std::int64_t out_off = rule.off_middle(outside, a, b);
-  return in_off < out_off || (in_off == out_off && inside < outside) ? in : out;
+// What the vector kernels call for intervals that have points beyond an end of their chord, or ties they cannot tell apart.
+Found search_exactly(const VectorJob& job, std::uint32_t a, std::uint32_t b) {
+  const auto search = [&](const auto& kernel) {
+    const auto f = farthest(kernel, MiddleRule({}), a, b);
+    return Found{static_cast<std::uint32_t>(f.index), exact::nearest_double(f.distance.numerator),
+                 exact::nearest_double(f.distance.denominator)};
+  };
+  return job.w == nullptr ? search(Planar{job.u, job.v}) : search(Spatial{job.u, job.v, job.w});
 }
 
 } // namespace
 
+bool has_rank_unit(RankUnit unit) noexcept {
+  switch (unit) {
+    case RankUnit::one_by_one:
+    case RankUnit::portable: return true;
+#if defined(__x86_64__)
+    case RankUnit::avx2:
+      return __builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("bmi") != 0 && __builtin_cpu_supports("bmi2") != 0;
+    case RankUnit::avx512:
+      return has_rank_unit(RankUnit::avx2) && __builtin_cpu_supports("avx512f") != 0 &&
+             __builtin_cpu_supports("avx512bw") != 0 && __builtin_cpu_supports("avx512dq") != 0 &&
+             __builtin_cpu_supports("avx512vl") != 0;
+#else
+    case RankUnit::avx2:
+    case RankUnit::avx512: return false;
+#endif
+  }
+  return false;
+}
+
+RankUnit best_rank_unit() noexcept {
+  static const RankUnit best = has_rank_unit(RankUnit::avx512) ? RankUnit::avx512
+                               : has_rank_unit(RankUnit::avx2) ? RankUnit::avx2
+                                                               : RankUnit::portable;
+  return best;
+}
+
+struct Ranker::Scratch {
+  struct Waiting {
+    std::uint32_t a, b, depth;
+    double parent;
+  };
+  std::vector<Waiting> stack;
+  std::vector<std::int32_t> copies;
+  std::vector<std::uint32_t> pairs, reach;
+  std::vector<Interval> waiting;
+
+  void reserve(std::size_t n) {
+    if (reach.size() >= n) return;
+    copies.resize(3 * (n + kVectorPad));
+    pairs.resize(n + kVectorPad);
+    reach.resize(n);
+    waiting.resize(waiting_intervals(n));
+  }
+};
+
+Ranker::Ranker(Rational resolution_mm, RankUnit unit)
+    : resolution_(resolution_mm), unit_(unit), scratch_(std::make_unique<Scratch>()) {}
+Ranker::~Ranker() = default;
+Ranker::Ranker(Ranker&&) noexcept = default;
+Ranker& Ranker::operator=(Ranker&&) noexcept = default;
+
 void Ranker::rank(const RunPoints& run, std::span<double> distance, std::span<std::uint32_t> depth) {
   const std::size_t n = run.size();
   if (n == 0) return;
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   for (const std::size_t end : {std::size_t{0}, n - 1}) {
     distance[end] = kInfinity;
     depth[end] = 0;
   }
   if (n < 3) return;
+  if (unit_ == RankUnit::one_by_one || !run.position.empty() || !rank_by_vectors(run, distance, depth))
+    rank_one_by_one(run, distance, depth);
+}
 
+bool Ranker::rank_by_vectors(const RunPoints& run, std::span<double> distance, std::span<std::uint32_t> depth) {
+  Scratch& s = *scratch_;
+  s.reserve(run.size());
+  const VectorJob job{.axes = {run.x.data(), run.y.data(), run.z.data()},
+                      .n = static_cast<std::uint32_t>(run.size()),
+                      .scale_num = static_cast<double>(resolution_.num),
+                      .scale_den = static_cast<double>(resolution_.den),
+                      .distance = distance.data(),
+                      .depth = depth.data(),
+                      .copies = s.copies.data(),
+                      .pairs = s.pairs.data(),
+                      .reach = s.reach.data(),
+                      .waiting = s.waiting.data(),
+                      .exact = search_exactly,
+                      .guarded = nullptr,
+                      .guard = nullptr};
+  switch (unit_) {
+#if defined(__x86_64__)
+    case RankUnit::avx512: return rank_avx512(job);
+    case RankUnit::avx2: return rank_avx2(job);
+#endif
+    default: return rank_portable(job);
+  }
+}
+
+void Ranker::rank_one_by_one(const RunPoints& run, std::span<double> distance, std::span<std::uint32_t> depth) {
   const MiddleRule rule(run.position);
+  auto& stack = scratch_->stack;
   with_kernel(run, [&](const auto& kernel) {
-    stack_.clear();
-    stack_.push_back({0, static_cast<std::uint32_t>(n - 1), 1, kInfinity});
-    while (!stack_.empty()) {
-      Interval i = stack_.back();
-      stack_.pop_back();
+    stack.clear();
+    stack.push_back({0, static_cast<std::uint32_t>(run.size() - 1), 1, kInfinity});
+    while (!stack.empty()) {
+      Scratch::Waiting i = stack.back();
+      stack.pop_back();
       while (i.b - i.a >= 2) {
         std::size_t split;
         double d = 0.0;
@@ -113,23 +137,13 @@ void Ranker::rank(const RunPoints& run, std::span<double> distance, std::span<st
         depth[split] = i.depth;
         // The longer half waits, the shorter one is next: the stack stays below log2(n) entries.
         const auto k = static_cast<std::uint32_t>(split);
-        const Interval left{i.a, k, i.depth + 1, d};
-        const Interval right{k, i.b, i.depth + 1, d};
+        const Scratch::Waiting left{i.a, k, i.depth + 1, d};
+        const Scratch::Waiting right{k, i.b, i.depth + 1, d};
         const bool left_is_longer = k - i.a > i.b - k;
-        stack_.push_back(left_is_longer ? left : right);
+        stack.push_back(left_is_longer ? left : right);
         i = left_is_longer ? right : left;
       }
     }
-  });
-}
-
-void rank_order(std::span<const double> distance, std::span<const std::uint32_t> depth, std::vector<std::uint32_t>& order) {
-  order.resize(distance.size());
-  std::iota(order.begin(), order.end(), 0U);
-  std::sort(order.begin(), order.end(), [&](std::uint32_t p, std::uint32_t q) {
-    if (distance[p] != distance[q]) return distance[p] > distance[q];
-    if (depth[p] != depth[q]) return depth[p] < depth[q];
-    return p < q;
   });
 }
 

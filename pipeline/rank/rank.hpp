@@ -5,6 +5,7 @@
 #include "pipeline/model/lattice.hpp"
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -20,6 +21,16 @@ struct RunPoints {
   [[nodiscard]] std::size_t size() const noexcept { return x.size(); }
 };
 
+/// Which code ranks; all give the same results.
+enum class RankUnit : std::uint8_t {
+  one_by_one, ///< point after point; what runs of 2^30 counts or more and subsets always take
+  portable,
+  avx2,
+  avx512
+};
+[[nodiscard]] bool has_rank_unit(RankUnit unit) noexcept;
+[[nodiscard]] RankUnit best_rank_unit() noexcept;
+
 /// Ranks runs. Holds scratch memory, so one object serves one thread and allocates nothing in the steady state.
 ///
 /// Distance is that of a point to the segment of its current chord. The split goes to the farthest point; ties to the point
@@ -28,7 +39,11 @@ struct RunPoints {
 /// squared distance in counts (see squared_distance) and num / den the resolution.
 class Ranker {
 public:
-  explicit Ranker(Rational resolution_mm) noexcept : resolution_(resolution_mm) {}
+  /// `unit` must be one that the processor has.
+  explicit Ranker(Rational resolution_mm, RankUnit unit = best_rank_unit());
+  ~Ranker();
+  Ranker(Ranker&&) noexcept;
+  Ranker& operator=(Ranker&&) noexcept;
 
   /// Fills distance (mm; end points +infinity) and depth in the split tree (end points 0, first split 1). Both have
   /// run.size() elements. When the points are a subset of a run (RunPoints::position) that is closed under the tree, the
@@ -38,17 +53,28 @@ public:
   [[nodiscard]] Rational resolution() const noexcept { return resolution_; }
 
 private:
-  struct Interval {
-    std::uint32_t a, b, depth;
-    double parent;
-  };
+  struct Scratch;
+  bool rank_by_vectors(const RunPoints& run, std::span<double> distance, std::span<std::uint32_t> depth);
+  void rank_one_by_one(const RunPoints& run, std::span<double> distance, std::span<std::uint32_t> depth);
+
   Rational resolution_;
-  std::vector<Interval> stack_;
+  RankUnit unit_;
+  std::unique_ptr<Scratch> scratch_;
 };
 
-/// The rearrangement j: end points 0 and n first, then by distance descending, depth ascending, index ascending. So any prefix
-/// is a state of the algorithm.
-void rank_order(std::span<const double> distance, std::span<const std::uint32_t> depth, std::vector<std::uint32_t>& order);
+/// Orders ranked points. Holds scratch memory: one object, one thread.
+class RankSorter {
+public:
+  explicit RankSorter(RankUnit unit = best_rank_unit());
+  /// The rearrangement j: end points 0 and n first, then by distance descending, depth ascending, index ascending. So any
+  /// prefix is a state of the algorithm.
+  void sort(std::span<const double> distance, std::span<const std::uint32_t> depth, std::vector<std::uint32_t>& order);
+
+private:
+  RankUnit unit_;
+  std::vector<std::uint64_t> keys_, sorted_;
+  std::vector<std::uint32_t> counts_;
+};
 
 /// Exact distance in mm of point p to the segment a-b, by the one formula of the Ranker.
 [[nodiscard]] double segment_distance(const RunPoints& run, std::size_t p, std::size_t a, std::size_t b, Rational resolution);

@@ -3,7 +3,10 @@
 #include "pipeline/rank/rank.hpp"
 #include "tests/property/reference.hpp"
 
+#include <cstdlib>
 #include <gtest/gtest.h>
+#include <iostream>
+#include <numeric>
 
 namespace scansion::test {
 namespace {
@@ -32,6 +35,57 @@ TEST(RankProperty, EqualsTheReferenceOnRandomAndAdversarialRuns) {
     const ReferenceRank want = reference_rank(c, kMicrometre);
     ASSERT_EQ(got.distance, want.distance) << "kind " << static_cast<int>(kind) << " n " << n << " round " << round;
     ASSERT_EQ(got.depth, want.depth) << "kind " << static_cast<int>(kind) << " n " << n << " round " << round;
+  }
+}
+
+std::vector<RankUnit> vector_units() {
+  std::vector<RankUnit> units{RankUnit::portable};
+  for (const RankUnit unit : {RankUnit::avx2, RankUnit::avx512}) {
+    if (has_rank_unit(unit))
+      units.push_back(unit);
+    else
+      std::cout << "SKIPPED: this processor lacks " << (unit == RankUnit::avx2 ? "AVX2" : "AVX-512") << std::endl;
+  }
+  return units;
+}
+
+std::vector<std::uint32_t> sorted_in_full(const Ranked& r) {
+  std::vector<std::uint32_t> order(r.distance.size());
+  std::iota(order.begin(), order.end(), 0U);
+  std::ranges::sort(order, [&](std::uint32_t p, std::uint32_t q) {
+    if (r.distance[p] != r.distance[q]) return r.distance[p] > r.distance[q];
+    return r.depth[p] != r.depth[q] ? r.depth[p] < r.depth[q] : p < q;
+  });
+  return order;
+}
+
+// SCANSION_RANK_ROUNDS=1000000 for the long form.
+TEST(RankProperty, AllUnitsGiveTheSame) {
+  const char* const wanted = std::getenv("SCANSION_RANK_ROUNDS");
+  const int rounds = wanted != nullptr ? std::atoi(wanted) : 20'000;
+  Random random(6);
+  Ranker one_by_one(kMicrometre, RankUnit::one_by_one);
+  struct Unit {
+    Ranker ranker;
+    RankSorter sorter;
+  };
+  std::vector<Unit> units;
+  for (const RankUnit unit : vector_units()) units.push_back({Ranker(kMicrometre, unit), RankSorter(unit)});
+  std::vector<std::uint32_t> order;
+  for (int round = 0; round < rounds; ++round) {
+    const Kind kind = any_kind(random);
+    const auto n = static_cast<std::size_t>(pick(random, 1, round % 50 == 0 ? 2000 : round % 5 == 0 ? 300 : 40));
+    const Coordinates c = make_run(random, kind, n);
+    const Ranked want = rank(one_by_one, c);
+    const std::vector<std::uint32_t> wanted_order = sorted_in_full(want);
+    for (Unit& unit : units) {
+      const Ranked got = rank(unit.ranker, c);
+      const auto index = &unit - units.data();
+      ASSERT_EQ(got.distance, want.distance) << "unit " << index << " kind " << static_cast<int>(kind) << " round " << round;
+      ASSERT_EQ(got.depth, want.depth) << "unit " << index << " kind " << static_cast<int>(kind) << " round " << round;
+      unit.sorter.sort(got.distance, got.depth, order);
+      ASSERT_EQ(order, wanted_order) << "unit " << index << " kind " << static_cast<int>(kind) << " round " << round;
+    }
   }
 }
 
@@ -95,7 +149,7 @@ TEST(RankProperty, LongRunsFinishAndKeepTheirOrder) {
     const Coordinates c = make_run(random, kind, kind == Kind::duplicates ? 20'000 : 1'000'000);
     const Ranked r = rank(ranker, c);
     std::vector<std::uint32_t> order;
-    rank_order(r.distance, r.depth, order);
+    RankSorter().sort(r.distance, r.depth, order);
     EXPECT_EQ(order[0], 0U);
     EXPECT_EQ(order[1], c[0].size() - 1);
     for (std::size_t i = 2; i < order.size(); ++i) ASSERT_GE(r.distance[order[i - 1]], r.distance[order[i]]);

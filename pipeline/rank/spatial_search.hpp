@@ -1,0 +1,171 @@
+// Farthest points of intervals of a run in space, in doubles: cross products are exact below 2^25 counts, their squared lengths
+// nearly so; where two points come too close to tell, the exact search decides. Included by the units of each instruction set.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "pipeline/rank/lanes.hpp"
+#include "pipeline/rank/vector_tree.hpp"
+
+namespace scansion {
+namespace {
+
+class SpatialSearch {
+public:
+  static constexpr bool kLone = false;
+  static constexpr unsigned kClasses = 4; // up to 8 inner points, 16, more
+  static std::uint32_t least_inner(unsigned c) {
+    constexpr std::uint32_t kLeast[kClasses] = {0, 1, 9, 17};
+    return kLeast[c];
+  }
+
+  SpatialSearch(const VectorJob& job, std::uint32_t span) : job_(job), wide_(span >= (1U << 25U)) {}
+
+  [[nodiscard]] static unsigned class_of(std::uint32_t a, std::uint32_t b) {
+    const std::uint32_t inner = b - a - 1;
+    return (inner > 0 ? 1U : 0U) + (inner > 8 ? 1U : 0U) + (inner > 16 ? 1U : 0U);
+  }
+
+  template <unsigned c>
+  [[nodiscard]] static unsigned class_of_part(std::uint32_t a, std::uint32_t b) {
+    return class_of(a, b);
+  }
+
+  template <unsigned c>
+  void find(Batch& batch, unsigned count) {
+    for (unsigned i = 0; i < count; ++i) {
+      if (wide_)
+        exactly(batch, i);
+      else if constexpr (c == 1)
+        find_short<8>(batch, i);
+      else if constexpr (c == 2)
+        find_short<16>(batch, i);
+      else
+        find_more(batch, i);
+    }
+  }
+
+private:
+  using R = Reals;
+  using V = typename R::V;
+
+  // Squared sums of three products are off by less than this, relatively.
+  static constexpr double kNearly = 1.0 - 0x1p-50;
+  static constexpr double kExact = 0x1p53;
+
+  struct Chord {
+    V base[3], along[3], length;
+    double e[3], squared;
+    Chord(const VectorJob& job, std::uint32_t a, std::uint32_t b) {
+      const std::int32_t* const axes[3] = {job.u, job.v, job.w};
+      squared = 0;
+      for (unsigned k = 0; k < 3; ++k) {
+        e[k] = static_cast<double>(axes[k][b]) - axes[k][a];
+        squared += e[k] * e[k];
+        base[k] = R::set1(axes[k][a]);
+        along[k] = R::set1(e[k]);
+      }
+      length = R::set1(squared);
+    }
+  };
+  struct Measured {
+    V squared_cross, dot;
+  };
+
+  [[nodiscard]] Measured measure(const Chord& c, std::uint32_t first) const {
+    const V x = R::sub(R::load(job_.u + first), c.base[0]);
+    const V y = R::sub(R::load(job_.v + first), c.base[1]);
+    const V z = R::sub(R::load(job_.w + first), c.base[2]);
+    const V cx = R::sub(R::mul(c.along[1], z), R::mul(c.along[2], y));
+    const V cy = R::sub(R::mul(c.along[2], x), R::mul(c.along[0], z));
+    const V cz = R::sub(R::mul(c.along[0], y), R::mul(c.along[1], x));
+    return {R::add(R::add(R::mul(cx, cx), R::mul(cy, cy)), R::mul(cz, cz)),
+            R::add(R::add(R::mul(x, c.along[0]), R::mul(y, c.along[1])), R::mul(z, c.along[2]))};
+  }
+
+  void exactly(Batch& batch, unsigned i) {
+    const Found found = job_.exact(job_, batch.interval[i].a, batch.interval[i].b);
+    batch.index[i] = found.index;
+    batch.numerator[i] = found.numerator;
+    batch.denominator[i] = found.denominator;
+  }
+
+  // The squared cross product of point k, rounded once.
+  [[nodiscard]] double squared_cross(std::uint32_t a, std::uint32_t k, const Chord& c) const {
+    const double x = static_cast<double>(job_.u[k]) - job_.u[a];
+    const double y = static_cast<double>(job_.v[k]) - job_.v[a];
+    const double z = static_cast<double>(job_.w[k]) - job_.w[a];
+    const double cross[3] = {c.e[1] * z - c.e[2] * y, c.e[2] * x - c.e[0] * z, c.e[0] * y - c.e[1] * x};
+    __extension__ unsigned __int128 sum = 0;
+    for (const double v : cross) {
+      const auto magnitude = static_cast<std::uint64_t>(v < 0 ? -v : v);
+      sum += static_cast<decltype(sum)>(magnitude) * magnitude;
+    }
+    return static_cast<double>(sum);
+  }
+
+  void put(Batch& batch, unsigned i, std::uint32_t k, double top, const Chord& chord) {
+    batch.index[i] = k;
+    batch.numerator[i] = top < kExact ? top : squared_cross(batch.interval[i].a, k, chord);
+    batch.denominator[i] = chord.squared;
+  }
+
+  template <unsigned kInner>
+  void find_short(Batch& batch, unsigned i) {
+    constexpr unsigned kVectors = kInner / R::kLanes;
+    const auto [a, b] = batch.interval[i];
+    const unsigned inner = b - a - 1;
+    const Chord chord(job_, a, b);
+    V square[kVectors];
+    V most = R::set1(0);
+    std::uint32_t outside = 0;
+    for (unsigned v = 0; v < kVectors; ++v) {
+      const unsigned before = v * R::kLanes;
+      const auto lanes = R::first(inner <= before ? 0 : smaller(inner - before, R::kLanes));
+      const Measured m = measure(chord, a + 1 + before);
+      square[v] = R::keep(lanes, m.squared_cross);
+      outside |= R::bits(R::without(lanes, R::inside(m.dot, chord.length)));
+      most = R::max(most, square[v]);
+    }
+    if (outside != 0) return exactly(batch, i);
+    const double top = R::top(most);
+    const V bound = R::set1(top < kExact ? top : top * kNearly);
+    std::uint64_t mask = 0;
+    for (unsigned v = 0; v < kVectors; ++v)
+      mask |= static_cast<std::uint64_t>(R::bits(R::at_least(square[v], bound))) << (v * R::kLanes);
+    mask &= ~std::uint64_t{0} >> (64 - inner);
+    if (top >= kExact && (mask & (mask - 1)) != 0) return exactly(batch, i);
+    put(batch, i, a + 1 + closest_to_middle(mask, inner), top, chord);
+  }
+
+  void find_more(Batch& batch, unsigned i) {
+    const auto [a, b] = batch.interval[i];
+    const Chord chord(job_, a, b);
+    V most = R::set1(0);
+    std::uint32_t outside = 0;
+    for (std::uint32_t k = a + 1; k < b; k += R::kLanes) {
+      const auto lanes = R::first(smaller(b - k, R::kLanes));
+      const Measured m = measure(chord, k);
+      most = R::max(most, R::keep(lanes, m.squared_cross));
+      outside |= R::bits(R::without(lanes, R::inside(m.dot, chord.length)));
+    }
+    if (outside != 0) return exactly(batch, i);
+    const double top = R::top(most);
+    const V bound = R::set1(top < kExact ? top : top * kNearly);
+    const auto bits_of = [&](std::uint32_t first, unsigned count) {
+      return R::bits(R::at_least(measure(chord, first).squared_cross, bound)) & ((1U << count) - 1U);
+    };
+    if (top >= kExact) {
+      std::uint32_t candidates = 0;
+      for (std::uint32_t k = a + 1; k < b; k += R::kLanes)
+        candidates += static_cast<std::uint32_t>(__builtin_popcount(bits_of(k, smaller(b - k, R::kLanes))));
+      if (candidates > 1) return exactly(batch, i);
+    }
+    put(batch, i, closest_marked(a, b, R::kLanes, bits_of), top, chord);
+  }
+
+  const VectorJob& job_;
+  bool wide_;
+};
+
+} // namespace
+} // namespace scansion

@@ -1,0 +1,68 @@
+// What the vector kernels get and give: plain pointers, so that a unit compiled for a newer processor shares no inline code.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace scansion {
+
+/// The chord from point a to point b; its inner points are to be ranked.
+struct Interval {
+  std::uint32_t a, b;
+};
+
+/// The farthest inner point of an interval and its exact squared distance in counts, as two nearest doubles.
+struct Found {
+  std::uint32_t index;
+  double numerator, denominator;
+};
+
+/// Vector loads read up to this many elements past the last point.
+inline constexpr std::size_t kVectorPad = 64;
+/// Spans below this keep every squared distance in 128 bits.
+inline constexpr std::uint32_t kNarrowSpan = 1U << 30U;
+/// Distances to chords measured per point before the work guard takes over, and the shortest interval it is worth its price
+/// for.
+inline constexpr std::uint64_t kGuardedWork = 48;
+inline constexpr std::uint32_t kGuardedInner = 256;
+
+/// One run of n >= 3 points.
+struct VectorJob {
+  using Search = Found (*)(const VectorJob& job, std::uint32_t a, std::uint32_t b);
+
+  const std::int32_t* axes[3]; ///< n coordinates in counts each
+  std::uint32_t n;
+  double scale_num, scale_den; ///< mm per count
+
+  double* distance;     ///< n, out: mm
+  std::uint32_t* depth; ///< n, out
+
+  // Scratch.
+  std::int32_t* copies; ///< 3 * (n + kVectorPad)
+  std::uint32_t* pairs; ///< n + kVectorPad
+  std::uint32_t* reach; ///< n
+  Interval* waiting;    ///< waiting_intervals(n)
+
+  Search exact;   ///< searches any interval, point after point
+  Search guarded; ///< the same for long intervals once the work has passed its limit
+  void* guard;    ///< for `guarded`
+
+  // Set by rank_*: the coordinates to look at, padded.
+  const std::int32_t* u = nullptr;
+  const std::int32_t* v = nullptr;
+  const std::int32_t* w = nullptr; ///< null: one axis is constant, u and v are the others
+};
+
+[[nodiscard]] constexpr std::size_t waiting_intervals(std::size_t n) noexcept {
+  return 3 * n + 64;
+}
+
+/// False: a span is kNarrowSpan or more, and nothing was done. All give the same results.
+[[nodiscard]] bool rank_portable(const VectorJob& job);
+#if defined(__x86_64__)
+[[nodiscard]] bool rank_avx2(const VectorJob& job);
+[[nodiscard]] bool rank_avx512(const VectorJob& job);
+#endif
+
+} // namespace scansion

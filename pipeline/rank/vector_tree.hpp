@@ -1,0 +1,191 @@
+// The split tree of a run, grown in batches of intervals of like size. Included by the units of each instruction set.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "pipeline/rank/vector_job.hpp"
+
+namespace scansion {
+namespace {
+
+inline constexpr unsigned kBatch = 64;
+
+/// What one batch of intervals found, by place in the batch.
+struct Batch {
+  Interval interval[kBatch];
+  std::uint32_t index[kBatch];
+  double numerator[kBatch], denominator[kBatch];
+};
+
+template <class T>
+T smaller(T a, T b) {
+  return b < a ? b : a;
+}
+template <class T>
+T larger(T a, T b) {
+  return a < b ? b : a;
+}
+
+// Of the set bits of `mask`, bit i standing for the inner point i of an interval with `inner` of them: the one closest to the
+// middle, the lower of two.
+inline unsigned closest_to_middle(std::uint64_t mask, unsigned inner) {
+  if ((mask & (mask - 1)) == 0) return static_cast<unsigned>(__builtin_ctzll(mask));
+  const unsigned middle = (inner - 1) / 2;
+  const std::uint64_t lower = mask & ((std::uint64_t{2} << middle) - 1);
+  const std::uint64_t upper = mask & ~((std::uint64_t{2} << middle) - 1);
+  if (lower == 0) return static_cast<unsigned>(__builtin_ctzll(upper));
+  const auto below = 63U - static_cast<unsigned>(__builtin_clzll(lower));
+  if (upper == 0) return below;
+  const auto above = static_cast<unsigned>(__builtin_ctzll(upper));
+  return inner - 1 - 2 * below <= 2 * above - (inner - 1) ? below : above;
+}
+
+// The inner point of (a, b) that `bits_of(first, count)` marks and that is closest to the middle. bits_of looks at up to
+// `lanes` points from `first` on; at least one inner point is marked.
+template <class BitsOf>
+std::uint32_t closest_marked(std::uint32_t a, std::uint32_t b, unsigned lanes, BitsOf bits_of) {
+  const std::uint32_t middle = a + (b - a) / 2;
+  std::uint32_t low = middle + 1; // points below are not looked at yet
+  std::uint32_t high = middle + 1;
+  // Both sides get equally far from the middle with each step, so the first one that finds a mark finds the closest. A point in
+  // the very middle belongs to the lower side.
+  unsigned step_above = (b - a) % 2 == 0 ? lanes - 1 : lanes;
+  for (;;) {
+    const unsigned below = smaller(low - (a + 1), lanes);
+    low -= below;
+    const std::uint32_t lower = below > 0 ? bits_of(low, below) : 0;
+    const unsigned above = smaller(b - high, step_above);
+    step_above = lanes;
+    const std::uint32_t upper = above > 0 ? bits_of(high, above) : 0;
+    if ((lower | upper) != 0) {
+      const std::uint32_t k = low + (31U - static_cast<unsigned>(__builtin_clz(lower | 1U)));
+      const std::uint32_t l = high + static_cast<unsigned>(__builtin_ctz(upper | 0x80000000U));
+      if (upper == 0) return k;
+      if (lower == 0) return l;
+      return a + b - 2 * k <= 2 * l - (a + b) ? k : l;
+    }
+    high += above;
+  }
+}
+
+// Depth of the inner points of short intervals in repeated bisection, the first split being 0.
+struct BisectionDepths {
+  static constexpr unsigned kInner = 31;
+  std::uint8_t depth[kInner + 1][kInner + 1];
+  constexpr BisectionDepths() : depth{} {
+    for (unsigned inner = 1; inner <= kInner; ++inner) {
+      const unsigned middle = (inner - 1) / 2;
+      depth[inner][middle] = 0;
+      for (unsigned i = 0; i < middle; ++i) depth[inner][i] = static_cast<std::uint8_t>(1 + depth[middle][i]);
+      for (unsigned i = middle + 1; i < inner; ++i)
+        depth[inner][i] = static_cast<std::uint8_t>(1 + depth[inner - 1 - middle][i - middle - 1]);
+    }
+  }
+};
+constexpr BisectionDepths kBisection{};
+
+// An interval whose inner points all lie on its chord: distance 0, the order of repeated bisection.
+inline void bisect(std::uint32_t a, std::uint32_t b, std::uint32_t first_depth, double* q, std::uint32_t* depth) {
+  struct Part {
+    std::uint32_t a, b, depth;
+  };
+  Part stack[40];
+  unsigned top = 0;
+  stack[top++] = {a, b, first_depth};
+  while (top > 0) {
+    Part part = stack[--top];
+    while (part.b - part.a > BisectionDepths::kInner + 1) {
+      const std::uint32_t k = part.a + (part.b - part.a) / 2;
+      depth[k] = part.depth;
+      q[k] = 0;
+      stack[top++] = {k, part.b, part.depth + 1};
+      part.b = k;
+      ++part.depth;
+    }
+    const std::uint32_t inner = part.b - part.a - 1;
+    const std::uint8_t* pattern = kBisection.depth[inner];
+    for (std::uint32_t i = 0; i < inner; ++i) depth[part.a + 1 + i] = part.depth + pattern[i];
+    for (std::uint32_t i = 0; i < inner; ++i) q[part.a + 1 + i] = 0;
+  }
+}
+
+// Search has: kClasses; class_of(a, b), 0 for intervals without inner points, and class_of_part<c>, the same for parts of an
+// interval of class c, which are never of a higher class; least_inner(class); kLone, whether class 1 has one inner point only;
+// find<class>(batch, count).
+template <class Search>
+class Tree {
+public:
+  Tree(const VectorJob& job, Search& search) : search_(search), q_(job.distance), depth_(job.depth) {
+    const std::uint32_t n = job.n;
+    q_[0] = q_[n - 1] = __builtin_inf();
+    depth_[0] = depth_[n - 1] = 0;
+    Interval* place = job.waiting;
+    for (unsigned c = 0; c < Search::kClasses; ++c) {
+      waiting_[c] = place;
+      count_[c] = 0;
+      place += c == 0 ? 2 : n / Search::least_inner(c) + 2;
+    }
+    wait(0, n - 1, search.class_of(0, n - 1));
+    grow<Search::kClasses - 1>();
+  }
+
+private:
+  // Class 0 is written over and over and never counted: cheaper than a branch that nothing predicts.
+  void wait(std::uint32_t a, std::uint32_t b, unsigned c) {
+    waiting_[c][count_[c]] = {a, b};
+    count_[c] += c != 0 ? 1U : 0U;
+  }
+
+  template <unsigned c>
+  void grow() {
+    if constexpr (c > 0) {
+      while (count_[c] > 0) {
+        const unsigned some = smaller(count_[c], kBatch);
+        count_[c] -= some;
+        for (unsigned i = 0; i < some; ++i) batch_.interval[i] = waiting_[c][count_[c] + i];
+        search_.template find<c>(batch_, some);
+        for (unsigned i = 0; i < some; ++i) batch_.numerator[i] /= batch_.denominator[i];
+        split<c>(some);
+      }
+      grow<c - 1>();
+    }
+  }
+
+  template <unsigned c>
+  void split(unsigned some) {
+    double* const q = q_;
+    std::uint32_t* const depth = depth_;
+    for (unsigned i = 0; i < some; ++i) {
+      const auto [a, b] = batch_.interval[i];
+      const std::uint32_t k = batch_.index[i];
+      const double ratio = batch_.numerator[i];
+      const std::uint32_t level = larger(depth[a], depth[b]) + 1;
+      // The parent is the end of the chord that was split last: the one of the smaller distance.
+      q[k] = smaller(ratio, smaller(q[a], q[b]));
+      depth[k] = level;
+      if constexpr (c == 1 && Search::kLone) continue;
+      if (ratio == 0) {
+        bisect(a, b, level, q, depth);
+        continue;
+      }
+      wait(a, k, search_.template class_of_part<c>(a, k));
+      wait(k, b, search_.template class_of_part<c>(k, b));
+    }
+  }
+
+  Search& search_;
+  double* q_; ///< squared distances in counts
+  std::uint32_t* depth_;
+  Interval* waiting_[Search::kClasses];
+  std::uint32_t count_[Search::kClasses];
+  Batch batch_;
+};
+
+template <class Search>
+void grow_tree(const VectorJob& job, Search& search) {
+  Tree<Search>(job, search);
+  // D = sqrt(RN(K) / RN(L)) * num / den, each step rounded once.
+  for (std::uint32_t i = 0; i < job.n; ++i) job.distance[i] = __builtin_sqrt(job.distance[i]) * job.scale_num / job.scale_den;
+}
+
+} // namespace
+} // namespace scansion
