@@ -130,6 +130,7 @@ struct Reals {
   }
   static V keep(M m, V a) { return _mm512_maskz_mov_pd(m, a); }
   static M equal(V a, V b) { return _mm512_cmp_pd_mask(a, b, _CMP_EQ_OQ); }
+  static M both(M a, M b) { return static_cast<M>(a & b); }
   static M at_least(V a, V b) { return _mm512_cmp_pd_mask(a, b, _CMP_GE_OQ); }
   static M without(M a, M b) { return static_cast<M>(a & ~b); }
   static std::uint32_t bits(M m) { return m; }
@@ -225,6 +226,7 @@ struct Reals {
   }
   static V keep(M m, V a) { return _mm256_and_pd(m, a); }
   static M equal(V a, V b) { return _mm256_cmp_pd(a, b, _CMP_EQ_OQ); }
+  static M both(M a, M b) { return _mm256_and_pd(a, b); }
   static M at_least(V a, V b) { return _mm256_cmp_pd(a, b, _CMP_GE_OQ); }
   static M without(M a, M b) { return _mm256_andnot_pd(b, a); }
   static std::uint32_t bits(M m) { return static_cast<std::uint32_t>(_mm256_movemask_pd(m)); }
@@ -326,6 +328,7 @@ struct Reals {
   }
   static V keep(M m, V a) { return {{(m & 1U) != 0 ? a.lane[0] : 0.0, (m & 2U) != 0 ? a.lane[1] : 0.0}}; }
   static M equal(V a, V b) { return pair(a.lane[0] == b.lane[0], a.lane[1] == b.lane[1]); }
+  static M both(M a, M b) { return a & b; }
   static M at_least(V a, V b) { return pair(a.lane[0] >= b.lane[0], a.lane[1] >= b.lane[1]); }
   static M without(M a, M b) { return a & ~b; }
   static std::uint32_t bits(M m) { return m; }

@@ -48,12 +48,13 @@ public:
     const Digits digits = digits_for(job_.n);
     const unsigned wanted = digits.width * digits.passes;
     const unsigned looked_at = used_ < wanted ? used_ : wanted;
-    if (looked_at > 0) pass(kDistanceAt + used_ - looked_at, digits.width, digits.passes);
+    const unsigned shift = kDistanceAt + used_ - looked_at;
+    if (looked_at > 0) digits.passes == 2 ? pass<2>(shift, digits.width) : pass<3>(shift, digits.width);
     if (used_ > 0) exchange_neighbours();
     // Runs with few distances (flat ones, zigzags) have long ties.
     if (used_ == 0 || !settle()) {
-      pass(kIndexBits, kDepthBits, 1);
-      if (used_ > 0) pass(kDistanceAt, 11, 3);
+      pass<1>(kIndexBits, kDepthBits);
+      if (used_ > 0) pass<3>(kDistanceAt, 11);
     }
     return finish();
   }
@@ -88,27 +89,38 @@ private:
     fits_ = deepest <= kMostDepth && job_.n <= kOrderPoints;
   }
 
-  void pass(unsigned shift, unsigned width, unsigned passes) {
+  // Stable, from the lowest digit on.
+  template <unsigned kPasses>
+  void pass(unsigned shift, unsigned width) {
     const std::uint32_t table = 1U << width;
     const std::uint64_t last = table - 1;
-    std::uint32_t* count = job_.counts;
-    __builtin_memset(count, 0, sizeof(std::uint32_t) * table * passes);
-    for (std::uint32_t i = 0; i < size_; ++i) {
-      const std::uint64_t digits = keys_[i] >> shift;
-      for (unsigned p = 0; p < passes; ++p) ++count[p * table + (digits >> (p * width) & last)];
+    const std::uint32_t size = size_;
+    std::uint32_t* __restrict const counts = job_.counts;
+    __builtin_memset(counts, 0, sizeof(std::uint32_t) * table * kPasses);
+    const std::uint64_t* keys = keys_;
+    for (std::uint32_t i = 0; i < size; ++i) {
+      const std::uint64_t digits = keys[i] >> shift;
+      ++counts[digits & last];
+      if constexpr (kPasses > 1) ++counts[table + (digits >> width & last)];
+      if constexpr (kPasses > 2) ++counts[2 * table + (digits >> (2 * width) & last)];
     }
-    for (unsigned p = 0; p < passes; ++p, shift += width, count += table) {
-      if (count[keys_[0] >> shift & last] == size_) continue;
+    for (unsigned p = 0; p < kPasses; ++p, shift += width) {
+      std::uint32_t* __restrict const count = counts + p * table;
+      std::uint64_t* __restrict const from = keys_;
+      std::uint64_t* __restrict const to = other_;
+      if (count[from[0] >> shift & last] == size) continue;
       std::uint32_t before = 0;
       for (std::uint32_t d = 0; d < table; ++d) {
         const std::uint32_t here = count[d];
         count[d] = before;
         before += here;
       }
-      for (std::uint32_t i = 0; i < size_; ++i) other_[count[keys_[i] >> shift & last]++] = keys_[i];
-      std::uint64_t* const swapped = keys_;
-      keys_ = other_;
-      other_ = swapped;
+      for (std::uint32_t i = 0; i < size; ++i) {
+        const std::uint64_t key = from[i];
+        to[count[key >> shift & last]++] = key;
+      }
+      keys_ = to;
+      other_ = from;
     }
   }
 
@@ -143,23 +155,25 @@ private:
 
   // Insertion sort of nearly sorted keys. False: that takes too many steps.
   bool settle() {
-    std::uint32_t steps = 2 * size_;
-    std::uint64_t before = keys_[0];
-    for (std::uint32_t i = 1; i < size_; ++i) {
-      const std::uint64_t key = keys_[i];
+    std::uint64_t* const keys = keys_;
+    const std::uint32_t size = size_;
+    std::uint32_t steps = 2 * size;
+    std::uint64_t before = keys[0];
+    for (std::uint32_t i = 1; i < size; ++i) {
+      const std::uint64_t key = keys[i];
       if (key > before) {
         before = key;
         continue;
       }
       std::uint32_t to = i;
-      for (; to > 0 && keys_[to - 1] > key; --to) {
+      for (; to > 0 && keys[to - 1] > key; --to) {
         if (steps-- == 0) {
-          keys_[to] = key;
+          keys[to] = key;
           return false;
         }
-        keys_[to] = keys_[to - 1];
+        keys[to] = keys[to - 1];
       }
-      keys_[to] = key;
+      keys[to] = key;
     }
     return true;
   }
@@ -167,11 +181,14 @@ private:
   bool finish() {
     bool sorted = fits_;
     double before = __builtin_inf();
-    std::uint32_t* const order = job_.order + 2;
-    for (std::uint32_t i = 0; i < size_; ++i) {
-      const auto index = static_cast<std::uint32_t>(keys_[i] & kIndexMask);
+    std::uint32_t* __restrict const order = job_.order + 2;
+    const double* __restrict const distance = job_.distance;
+    const std::uint64_t* __restrict const keys = keys_;
+    const std::uint32_t size = size_;
+    for (std::uint32_t i = 0; i < size; ++i) {
+      const auto index = static_cast<std::uint32_t>(keys[i] & kIndexMask);
       order[i] = index;
-      const double here = job_.distance[index];
+      const double here = distance[index];
       sorted = sorted & (here <= before);
       before = here;
     }

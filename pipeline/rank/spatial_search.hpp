@@ -82,12 +82,7 @@ private:
             R::add(R::add(R::mul(x, c.along[0]), R::mul(y, c.along[1])), R::mul(z, c.along[2]))};
   }
 
-  void exactly(Batch& batch, unsigned i) {
-    const Found found = job_.exact(job_, batch.interval[i].a, batch.interval[i].b);
-    batch.index[i] = found.index;
-    batch.numerator[i] = found.numerator;
-    batch.denominator[i] = found.denominator;
-  }
+  void exactly(Batch& batch, unsigned i) { batch.put(i, job_.exact(job_, batch.interval[i].a, batch.interval[i].b)); }
 
   // The squared cross product of point k, rounded once.
   [[nodiscard]] double squared_cross(std::uint32_t a, std::uint32_t k, const Chord& c) const {
@@ -104,9 +99,7 @@ private:
   }
 
   void put(Batch& batch, unsigned i, std::uint32_t k, double top, const Chord& chord) {
-    batch.index[i] = k;
-    batch.numerator[i] = top < kExact ? top : squared_cross(batch.interval[i].a, k, chord);
-    batch.denominator[i] = chord.squared;
+    batch.put(i, k, top < kExact ? top : squared_cross(batch.interval[i].a, k, chord), chord.squared);
   }
 
   template <unsigned kInner>

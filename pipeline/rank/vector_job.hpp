@@ -55,7 +55,7 @@ struct VectorJob {
 };
 
 [[nodiscard]] constexpr std::size_t waiting_intervals(std::size_t n) noexcept {
-  return 3 * n + 64;
+  return 4 * n + 64;
 }
 
 /// False: a span is kNarrowSpan or more, and nothing was done. All give the same results.

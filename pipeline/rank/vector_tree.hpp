@@ -14,6 +14,13 @@ struct Batch {
   Interval interval[kBatch];
   std::uint32_t index[kBatch];
   double numerator[kBatch], denominator[kBatch];
+
+  void put(unsigned i, std::uint32_t farthest, double num, double den) {
+    index[i] = farthest;
+    numerator[i] = num;
+    denominator[i] = den;
+  }
+  void put(unsigned i, const Found& found) { put(i, found.index, found.numerator, found.denominator); }
 };
 
 template <class T>

@@ -1,0 +1,148 @@
+// Farthest points of planar intervals in doubles, which are exact while spans stay below 2^26 counts. Included by the units of each
+// instruction set.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "pipeline/rank/lanes.hpp"
+#include "pipeline/rank/vector_tree.hpp"
+
+namespace scansion {
+namespace {
+
+class PlanarFar {
+public:
+  static constexpr std::uint32_t kWide = 1U << 26U;
+
+  explicit PlanarFar(const VectorJob& job) : job_(job) {}
+
+  /// Up to kInner inner points.
+  template <unsigned kInner>
+  void find_short(Batch& batch, unsigned i) const {
+    constexpr unsigned kVectors = kInner / R::kLanes;
+    const auto [a, b] = batch.interval[i];
+    const unsigned inner = b - a - 1;
+    const Chord chord(job_, a, b);
+    V cross[kVectors];
+    V most = R::set1(0);
+    std::uint32_t outside = 0;
+    for (unsigned v = 0; v < kVectors; ++v) {
+      const unsigned before = v * R::kLanes;
+      const auto lanes = R::first(inner <= before ? 0 : smaller(inner - before, R::kLanes));
+      const Step d = step(chord, a + 1 + before);
+      cross[v] = R::keep(lanes, cross_of(chord, d));
+      outside |= R::bits(R::without(lanes, R::inside(dot_of(chord, d), chord.length)));
+      most = R::max(most, cross[v]);
+    }
+    if (outside != 0) return find_mixed(batch, i);
+    const double top = R::top(most);
+    const V all = R::set1(top);
+    std::uint64_t mask = 0;
+    for (unsigned v = 0; v < kVectors; ++v)
+      mask |= static_cast<std::uint64_t>(R::bits(R::equal(cross[v], all))) << (v * R::kLanes);
+    mask &= ~std::uint64_t{0} >> (64 - inner);
+    batch.put(i, a + 1 + closest_to_middle(mask, inner), top * top, chord.squared);
+  }
+
+  void find_more(Batch& batch, unsigned i) const {
+    const auto [a, b] = batch.interval[i];
+    const Chord chord(job_, a, b);
+    V most = R::set1(0);
+    std::uint32_t outside = 0;
+    for (std::uint32_t k = a + 1; k < b; k += R::kLanes) {
+      const auto lanes = R::first(smaller(b - k, R::kLanes));
+      const Step d = step(chord, k);
+      most = R::max(most, R::keep(lanes, cross_of(chord, d)));
+      outside |= R::bits(R::without(lanes, R::inside(dot_of(chord, d), chord.length)));
+    }
+    if (outside != 0) return find_mixed(batch, i);
+    const double top = R::top(most);
+    const V all = R::set1(top);
+    const std::uint32_t best = closest_marked(a, b, R::kLanes, [&](std::uint32_t first, unsigned count) {
+      return R::bits(R::equal(cross_of(chord, step(chord, first)), all)) & ((1U << count) - 1U);
+    });
+    batch.put(i, best, top * top, chord.squared);
+  }
+
+  /// Some inner points lie beyond the ends of the chord: there the distance to the end counts.
+  void find_mixed(Batch& batch, unsigned i) const {
+    const auto [a, b] = batch.interval[i];
+    const Chord chord(job_, a, b);
+    const auto measure = [&](std::uint32_t first, unsigned count) {
+      const auto lanes = R::first(count);
+      const Step d = step(chord, first);
+      const V dot = dot_of(chord, d);
+      const auto inside = R::inside(dot, chord.length);
+      const auto ahead = R::equal(R::max(dot, chord.length), dot);
+      const Step f{R::sub(d.u, R::keep(ahead, chord.along_u)), R::sub(d.v, R::keep(ahead, chord.along_v))};
+      return Mixed{R::both(lanes, inside), R::without(lanes, inside), cross_of(chord, d),
+                   R::add(R::mul(f.u, f.u), R::mul(f.v, f.v))};
+    };
+    V most_cross = R::set1(0);
+    V most_beyond = R::set1(0);
+    bool any_inside = false;
+    for (std::uint32_t k = a + 1; k < b; k += R::kLanes) {
+      const Mixed m = measure(k, smaller(b - k, R::kLanes));
+      any_inside |= R::bits(m.inside) != 0;
+      most_cross = R::max(most_cross, R::keep(m.inside, m.cross));
+      most_beyond = R::max(most_beyond, R::keep(m.outside, m.beyond));
+    }
+    const double cross = R::top(most_cross);
+    const double beyond = R::top(most_beyond);
+    __extension__ using Wide = unsigned __int128;
+    const auto whole = [](double v) { return static_cast<Wide>(static_cast<std::uint64_t>(v)); };
+    const Wide in = whole(cross) * whole(cross);
+    const Wide out = whole(beyond) * whole(chord.squared);
+    const bool take_inside = any_inside && in >= out;
+    const bool take_outside = !any_inside || out >= in;
+    const V all_cross = R::set1(cross);
+    const V all_beyond = R::set1(beyond);
+    const std::uint32_t best = closest_marked(a, b, R::kLanes, [&](std::uint32_t first, unsigned count) {
+      const Mixed m = measure(first, count);
+      const std::uint32_t inside = R::bits(R::both(m.inside, R::equal(m.cross, all_cross)));
+      const std::uint32_t outside = R::bits(R::both(m.outside, R::equal(m.beyond, all_beyond)));
+      return (take_inside ? inside : 0U) | (take_outside ? outside : 0U);
+    });
+    // Which of the two the point is does not matter for its distance, but does for the rounding: as it is measured.
+    const bool is_inside = take_inside && (R::bits(measure(best, 1).inside) & 1U) != 0;
+    batch.put(i, best, is_inside ? cross * cross : beyond, is_inside ? chord.squared : 1.0);
+  }
+
+private:
+  using R = Reals;
+  using V = typename R::V;
+
+  struct Chord {
+    V base_u, base_v, along_u, along_v, length;
+    double squared;
+    Chord(const VectorJob& job, std::uint32_t a, std::uint32_t b) {
+      const double u = static_cast<double>(job.u[b]) - job.u[a];
+      const double v = static_cast<double>(job.v[b]) - job.v[a];
+      squared = u * u + v * v;
+      base_u = R::set1(job.u[a]);
+      base_v = R::set1(job.v[a]);
+      along_u = R::set1(u);
+      along_v = R::set1(v);
+      length = R::set1(squared);
+    }
+  };
+  struct Step {
+    V u, v; ///< from the first end of the chord
+  };
+  struct Mixed {
+    typename R::M inside, outside;
+    V cross, beyond;
+  };
+
+  [[nodiscard]] Step step(const Chord& c, std::uint32_t first) const {
+    return {R::sub(R::load(job_.u + first), c.base_u), R::sub(R::load(job_.v + first), c.base_v)};
+  }
+  [[nodiscard]] static V cross_of(const Chord& c, const Step& d) {
+    return R::abs(R::sub(R::mul(d.v, c.along_u), R::mul(d.u, c.along_v)));
+  }
+  [[nodiscard]] static V dot_of(const Chord& c, const Step& d) { return R::add(R::mul(d.u, c.along_u), R::mul(d.v, c.along_v)); }
+
+  const VectorJob& job_;
+};
+
+} // namespace
+} // namespace scansion
