@@ -101,16 +101,21 @@ Result<LineSet> file_set(const std::string& entry) {
   return set;
 }
 
-void thin_out(LineSet& set, std::size_t lines, std::size_t points) {
+void thin_out(LineSet& set, std::size_t lines, std::size_t points, std::size_t stretch) {
   const std::size_t have = set.lines.size();
   std::size_t want = lines == 0 ? have : std::min(lines, have);
   if (points != 0 && set.points > points) want = std::min(want, std::max<std::size_t>(1, have * points / set.points));
   if (want == have) return;
+  const std::size_t stretches = (have + stretch - 1) / stretch;
+  const std::size_t taken = (want + stretch - 1) / stretch;
   std::vector<LineBuffer> kept;
   set.points = 0;
-  for (std::size_t k = 0; k < want; ++k) {
-    kept.push_back(std::move(set.lines[k * have / want]));
-    set.points += kept.back().points();
+  for (std::size_t k = 0; k < taken; ++k) {
+    const std::size_t first = k * stretches / taken * stretch;
+    for (std::size_t i = first; i < std::min(first + stretch, have) && kept.size() < want; ++i) {
+      kept.push_back(std::move(set.lines[i]));
+      set.points += kept.back().points();
+    }
   }
   set.lines = std::move(kept);
 }

@@ -41,8 +41,9 @@ struct LineSet {
 /// A recorded scan, FILE or FILE:UNIT.
 [[nodiscard]] Result<LineSet> file_set(const std::string& entry);
 
-/// Keeps at most `lines` lines (0: all) and about `points` points (0: all), taken evenly over the set.
-void thin_out(LineSet& set, std::size_t lines, std::size_t points);
+/// Keeps at most `lines` lines (0: all) and about `points` points (0: all), taken evenly over the set in stretches of `stretch`
+/// lines.
+void thin_out(LineSet& set, std::size_t lines, std::size_t points, std::size_t stretch = 1);
 
 /// Groups of up to 64 lines, as the pipeline makes them.
 [[nodiscard]] std::vector<LineGroup> groups_of(const LineSet& set);

@@ -67,6 +67,12 @@ int main(int argc, char** argv) {
     return app;
   };
   verb("rank", "The full ranking beside plain Douglas-Peucker, Boost.Geometry and GEOS", run_rank);
+  verb("codec", "Encoding, decoding and the whole pipeline beside the plain ranking", run_codec);
+  verb("size", "Bits per point beside other packers", run_size);
+  CLI::App* instructions = verb("instructions", "Instructions a point of the ranking, by valgrind", run_instructions);
+  instructions->add_option("--child", o.child, "What to rank inside valgrind, SCENE:POINTS")->group("");
+  verb("stages", "Stages of scansion compress, and export beside it", run_stages);
+  const CLI::App* threads = verb("threads", "Wall time of scansion compress with two threads and with one", run_threads);
   CLI::App* coproc = root.add_subcommand("rank-coproc", "Rank lines of FILE on request (standard input)");
   coproc->add_option("FILE", file, "Recorded scan, FILE or FILE:UNIT")->required();
   try {
@@ -75,6 +81,7 @@ int main(int argc, char** argv) {
     return root.exit(error) == 0 ? 0 : 2;
   }
   if (coproc->parsed()) return end_with(run_rank_coproc(file));
+  if (threads->parsed() && threads->count("--pairs") == 0) o.pairs.pairs = 5;
   for (const Verb& v : verbs) {
     if (!v.app->parsed()) continue;
     Report report(json);
