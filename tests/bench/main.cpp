@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <csignal>
 #include <cstdio>
+#include <exception>
 #include <unistd.h>
 
 namespace scansion::bench {
@@ -25,21 +26,7 @@ int end_with(const Result<void>& result) {
   return exit_code(result.error().code);
 }
 
-} // namespace
-
-Result<std::vector<LineSet>> file_sets(const Options& options) {
-  std::vector<LineSet> sets;
-  for (const std::string& file : options.files) {
-    SCANSION_TRY(set, file_set(file));
-    sets.push_back(std::move(set));
-  }
-  return sets;
-}
-
-} // namespace scansion::bench
-
-int main(int argc, char** argv) {
-  using namespace scansion::bench;
+int run_command_line(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_IGN);
   CLI::App root{"Speed and size of Scansion beside other programs", "scansion_bench"};
   root.require_subcommand(1);
@@ -91,4 +78,26 @@ int main(int argc, char** argv) {
     return code == 0 && check && report.failed() > 0 ? 1 : code;
   }
   return 2;
+}
+
+} // namespace
+
+Result<std::vector<LineSet>> file_sets(const Options& options) {
+  std::vector<LineSet> sets;
+  for (const std::string& file : options.files) {
+    SCANSION_TRY(set, file_set(file));
+    sets.push_back(std::move(set));
+  }
+  return sets;
+}
+
+} // namespace scansion::bench
+
+int main(int argc, char** argv) {
+  try {
+    return scansion::bench::run_command_line(argc, argv);
+  } catch (const std::exception& error) { // of the command line's set-up; nothing below throws
+    std::fprintf(stderr, "scansion_bench: %s\n", error.what());
+    return 70;
+  }
 }

@@ -9,7 +9,11 @@
 namespace scansion::bench {
 namespace {
 
-std::uint64_t encode(std::vector<std::int32_t> samples) {
+std::uint64_t encode(const std::vector<std::int32_t>& axis, std::int64_t unit) {
+  // Differences below 2^32 fit for every unit above 1; with unit 1 the counts are taken as they are.
+  std::vector<std::int32_t> samples = axis;
+  if (unit > 1)
+    for (std::int32_t& v : samples) v = static_cast<std::int32_t>((std::int64_t{v} - axis.front()) / unit);
   std::vector<unsigned char> out(8 * samples.size() + 4096);
   aec_stream stream{};
   stream.bits_per_sample = 32;
@@ -33,7 +37,7 @@ Packed pack_aec(const Groups& groups) {
     if (!group.ulp[0].empty()) return {0, "IEEE bits"};
     for (std::size_t a = 0; a < 3; ++a) {
       if (shape.regular[a]) continue;
-      const std::uint64_t bytes = encode(group.xyz[a]);
+      const std::uint64_t bytes = encode(group.xyz[a], shape.unit[a]);
       if (bytes == 0) return {0, "encoder failed"};
       packed.bytes += bytes;
     }

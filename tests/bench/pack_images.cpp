@@ -24,7 +24,8 @@ Rows rows_of(const LineGroup& group, std::size_t axis) {
 }
 
 /// What is taken off each row so that all of them fit; empty when they do not.
-std::vector<std::int64_t> bases_of(const Rows& rows) {
+std::vector<std::int64_t> bases_of(const Rows& rows, std::int64_t unit) {
+  const std::int64_t largest = kLargest * unit;
   std::vector<std::int64_t> bases;
   std::int64_t low = std::numeric_limits<std::int64_t>::max();
   std::int64_t high = std::numeric_limits<std::int64_t>::min();
@@ -34,9 +35,9 @@ std::vector<std::int64_t> bases_of(const Rows& rows) {
     bases.push_back(least);
     low = std::min(low, std::int64_t{least});
     high = std::max(high, std::int64_t{most});
-    rows_fit = rows_fit && std::int64_t{most} - least <= kLargest;
+    rows_fit = rows_fit && std::int64_t{most} - least <= largest;
   }
-  if (high - low <= kLargest) return std::vector<std::int64_t>(rows.size(), low);
+  if (high - low <= largest) return std::vector<std::int64_t>(rows.size(), low);
   return rows_fit ? bases : std::vector<std::int64_t>();
 }
 
@@ -48,13 +49,13 @@ std::string images_of(const LineGroup& group, const Shape& shape, std::vector<Im
   for (std::size_t a = 0; a < 3; ++a) {
     if (shape.regular[a]) continue;
     const Rows rows = rows_of(group, a);
-    const std::vector<std::int64_t> bases = bases_of(rows);
+    const std::vector<std::int64_t> bases = bases_of(rows, shape.unit[a]);
     if (bases.empty()) return std::string(1, static_cast<char>('x' + a)) + " over 16 bit";
     Image& image = images.emplace_back();
     for (const auto& row : rows) image.width = std::max(image.width, static_cast<std::uint32_t>(row.size()));
     image.height = static_cast<std::uint32_t>(rows.size());
     for (std::size_t r = 0; r < rows.size(); ++r) {
-      for (const std::int32_t v : rows[r]) image.pixels.push_back(static_cast<std::uint16_t>(v - bases[r]));
+      for (const std::int32_t v : rows[r]) image.pixels.push_back(static_cast<std::uint16_t>((v - bases[r]) / shape.unit[a]));
       image.pixels.resize((r + 1) * image.width, image.pixels.back());
     }
     std::vector<std::int64_t> steps = bases;

@@ -3,6 +3,7 @@
 #include "tests/bench/packers.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <zstd.h>
 
 namespace scansion::bench {
@@ -15,6 +16,12 @@ bool is_regular(const LineGroup& group, const std::vector<T>& axis) {
       if (std::int64_t{axis[k]} - axis[k - 1] != std::int64_t{axis[k - 1]} - axis[k - 2]) return false;
     return true;
   });
+}
+
+std::int64_t unit_of(const std::vector<std::int32_t>& axis) {
+  std::int64_t unit = 0;
+  for (const std::int32_t v : axis) unit = std::gcd(unit, std::int64_t{v} - axis.front());
+  return std::max<std::int64_t>(unit, 1);
 }
 
 /// Differences along each run, and from first point to first point of runs.
@@ -67,6 +74,8 @@ Shape shape_of(const LineGroup& group) {
   for (std::size_t a = 0; a < 3; ++a) {
     const auto& axis = group.xyz[a];
     shape.regular[a] = is_regular(group, axis);
+    shape.unit[a] = unit_of(axis);
+    side.push_back(shape.unit[a]);
     if (!shape.regular[a]) continue;
     put([&](const Run& run) { return std::int64_t{axis[run.first]}; });
     put([&](const Run& run) { return run.count < 2 ? 0 : std::int64_t{axis[run.first + 1]} - axis[run.first]; });

@@ -27,7 +27,8 @@ using Pack = Packed (*)(const Groups&);
 /// run all steps are equal (an x of constant pitch, a constant y).
 struct Shape {
   std::array<bool, 3> regular{};
-  std::uint64_t bytes = 0; ///< run lengths; first values and steps of regular axes; differences run to run under planes_bytes
+  std::array<std::int64_t, 3> unit{1, 1, 1}; ///< greatest common divisor of all differences; for images and AEC
+  std::uint64_t bytes = 0; ///< run lengths; first values and steps of regular axes, differences run to run; units: planes_bytes
 };
 [[nodiscard]] Shape shape_of(const LineGroup& group);
 
@@ -37,7 +38,7 @@ struct Shape {
 /// An axis of a group as an image, one line a row; short lines are filled up with their last value.
 struct Image {
   std::uint32_t width = 0, height = 0;
-  std::vector<std::uint16_t> pixels; ///< minus the smallest value of the group; where that does not fit, of the line
+  std::vector<std::uint16_t> pixels; ///< in units, from the smallest value of the group; where that does not fit, of the line
   std::uint64_t side_bytes = 0;      ///< of the smallest values
 };
 /// Images of the axes that are not regular; the reason when a value does not fit 16 bits.
@@ -47,7 +48,7 @@ struct Image {
 
 [[nodiscard]] Packed pack_jpeg_ls(const Groups& groups); ///< CharLS
 [[nodiscard]] Packed pack_jpeg_xl(const Groups& groups); ///< libjxl, effort 7
-[[nodiscard]] Packed pack_aec(const Groups& groups);     ///< libaec (CCSDS 121), 32 bit, unit delay
+[[nodiscard]] Packed pack_aec(const Groups& groups);     ///< libaec (CCSDS 121), 32 bit, unit delay; in units
 
 /// The points as text, the shortest decimals that are exact, as `scansion export` writes them.
 [[nodiscard]] Result<std::string> text_of(const LineSet& set);

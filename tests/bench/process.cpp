@@ -36,6 +36,7 @@ Ended run_program(const std::vector<std::string>& command, bool quiet) {
   std::array<int, 2> ends{};
   if (::pipe2(ends.data(), O_CLOEXEC) != 0) return ended;
   std::vector<char*> words;
+  words.reserve(command.size() + 1);
   for (const std::string& word : command) words.push_back(const_cast<char*>(word.c_str())); // posix_spawn does not write
   words.push_back(nullptr);
   posix_spawn_file_actions_t actions;

@@ -86,6 +86,7 @@ private:
 };
 
 Result<void> SizeTables::add(const LineSet& set) {
+  std::fprintf(stderr, "scansion_bench: %s ...\n", set.name.c_str());
   Measured m;
   const LevelSpec levels;
   SCANSION_TRY(codec, OurCodec::make(set, levels));
@@ -140,7 +141,7 @@ void SizeTables::add_levels(const LineSet& set, const Measured& m) {
     cells.emplace_back(k > 0 && k <= size.tolerances.size() ? Cell(Figure{size.tolerances[k - 1], 4}) : Cell());
     cells.emplace_back(k > 0 ? Cell(Count{size.points[k]}) : Cell());
     cells.emplace_back(k > 0 ? Cell(Figure{100.0 * static_cast<double>(size.points[k]) / total}) : Cell());
-    cells.emplace_back(k > 0 ? Cell(Figure{bits(size.bytes[k], size.points[k])}) : Cell());
+    cells.emplace_back(size.points[k] > 0 ? Cell(Figure{bits(size.bytes[k], size.points[k])}) : Cell());
     cells.emplace_back(Figure{bits(size.bytes[k], set.points), 3});
     cells.emplace_back(sum ? Cell(Figure{bits(read, set.points), 3}) : Cell());
     levels_.add(std::move(cells));
