@@ -14,7 +14,7 @@ void OurRanking::distances(const RunView& run) {
 
 void OurRanking::full(const RunView& run) {
   distances(run);
-  rank_order(distance_, depth_, order_);
+  sorter_.sort(distance_, depth_, order_);
 }
 
 std::size_t OurRanking::kept(double tolerance_mm) const noexcept {

@@ -27,6 +27,7 @@ public:
 
 private:
   Ranker ranker_;
+  RankSorter sorter_;
   std::vector<double> distance_;
   std::vector<std::uint32_t> depth_;
   std::vector<std::uint32_t> order_;
