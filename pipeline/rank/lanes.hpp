@@ -13,9 +13,9 @@ namespace {
 
 // Every Lanes type has: kLanes; V, a vector of 32 bit lanes, each lane also seen as two 16 bit halves; M, a set of lanes;
 // load; spread, one value in all lanes; sub16, difference of halves; across, the pair (-high, low) of each lane (low, high);
-// madd, sum of the products of both halves; abs32, max32; top, the largest lane in all lanes; lane0; first(count); inside(dot,
-// length), 0 < dot < length; keep(M, V); equal; bits. Every Reals type: kLanes doubles; load from int32, set1; difference,
-// product, sum, absolute, max, top; the same masks.
+// madd, sum of the products of both halves; abs32, max32, min32; top, the largest lane in all lanes; lane0; first(count);
+// inside(dot, length), 0 < dot < length; keep(M, V); equal; both, without, covers (a holds all of b); bits. Every Reals type:
+// kLanes doubles; load from int32, set1; difference, product, sum, absolute, max, top; the same masks.
 
 #if defined(__AVX512BW__) && defined(__AVX512VL__) && defined(__AVX512DQ__)
 
@@ -34,6 +34,7 @@ struct Lanes4 {
   static V madd(V a, V b) { return _mm_madd_epi16(a, b); }
   static V abs32(V a) { return _mm_abs_epi32(a); }
   static V max32(V a, V b) { return _mm_max_epi32(a, b); }
+  static V min32(V a, V b) { return _mm_min_epi32(a, b); }
   static V top(V a) {
     a = _mm_max_epi32(a, _mm_shuffle_epi32(a, 0x4E));
     return _mm_max_epi32(a, _mm_shuffle_epi32(a, 0xB1));
@@ -45,6 +46,8 @@ struct Lanes4 {
   }
   static V keep(M m, V a) { return _mm_maskz_mov_epi32(m, a); }
   static M equal(V a, V b) { return _mm_cmpeq_epi32_mask(a, b); }
+  static M both(M a, M b) { return static_cast<M>(a & b); }
+  static bool covers(M a, M b) { return (b & ~a) == 0; }
   static M without(M a, M b) { return static_cast<M>(a & ~b); }
   static std::uint32_t bits(M m) { return m; }
 };
@@ -64,6 +67,7 @@ struct Lanes8 {
   static V madd(V a, V b) { return _mm256_madd_epi16(a, b); }
   static V abs32(V a) { return _mm256_abs_epi32(a); }
   static V max32(V a, V b) { return _mm256_max_epi32(a, b); }
+  static V min32(V a, V b) { return _mm256_min_epi32(a, b); }
   static V top(V a) {
     a = _mm256_max_epi32(a, _mm256_permute2x128_si256(a, a, 1));
     a = _mm256_max_epi32(a, _mm256_shuffle_epi32(a, 0x4E));
@@ -76,6 +80,8 @@ struct Lanes8 {
   }
   static V keep(M m, V a) { return _mm256_maskz_mov_epi32(m, a); }
   static M equal(V a, V b) { return _mm256_cmpeq_epi32_mask(a, b); }
+  static M both(M a, M b) { return static_cast<M>(a & b); }
+  static bool covers(M a, M b) { return (b & ~a) == 0; }
   static M without(M a, M b) { return static_cast<M>(a & ~b); }
   static std::uint32_t bits(M m) { return m; }
 };
@@ -95,6 +101,7 @@ struct Lanes16 {
   static V madd(V a, V b) { return _mm512_madd_epi16(a, b); }
   static V abs32(V a) { return _mm512_abs_epi32(a); }
   static V max32(V a, V b) { return _mm512_max_epi32(a, b); }
+  static V min32(V a, V b) { return _mm512_min_epi32(a, b); }
   static V top(V a) {
     a = _mm512_max_epi32(a, _mm512_shuffle_i32x4(a, a, 0x4E));
     a = _mm512_max_epi32(a, _mm512_shuffle_i32x4(a, a, 0xB1));
@@ -108,6 +115,8 @@ struct Lanes16 {
   }
   static V keep(M m, V a) { return _mm512_maskz_mov_epi32(m, a); }
   static M equal(V a, V b) { return _mm512_cmpeq_epi32_mask(a, b); }
+  static M both(M a, M b) { return static_cast<M>(a & b); }
+  static bool covers(M a, M b) { return (b & ~a) == 0; }
   static M without(M a, M b) { return static_cast<M>(a & ~b); }
   static std::uint32_t bits(M m) { return m; }
 };
@@ -123,6 +132,9 @@ struct Reals {
   static V mul(V a, V b) { return _mm512_mul_pd(a, b); }
   static V abs(V a) { return _mm512_abs_pd(a); }
   static V max(V a, V b) { return _mm512_max_pd(a, b); }
+  static V min(V a, V b) { return _mm512_min_pd(a, b); }
+  static V mul_add(V a, V b, V c) { return _mm512_fmadd_pd(a, b, c); }
+  static V mul_sub(V a, V b, V c) { return _mm512_fmsub_pd(a, b, c); }
   static double top(V a) { return _mm512_reduce_max_pd(a); }
   static M first(unsigned count) { return static_cast<M>((1U << count) - 1U); }
   static M inside(V dot, V length) {
@@ -156,6 +168,7 @@ struct Lanes4 {
   static V madd(V a, V b) { return _mm_madd_epi16(a, b); }
   static V abs32(V a) { return _mm_abs_epi32(a); }
   static V max32(V a, V b) { return _mm_max_epi32(a, b); }
+  static V min32(V a, V b) { return _mm_min_epi32(a, b); }
   static V top(V a) {
     a = _mm_max_epi32(a, _mm_shuffle_epi32(a, 0x4E));
     return _mm_max_epi32(a, _mm_shuffle_epi32(a, 0xB1));
@@ -167,6 +180,8 @@ struct Lanes4 {
   }
   static V keep(M m, V a) { return _mm_and_si128(m, a); }
   static M equal(V a, V b) { return _mm_cmpeq_epi32(a, b); }
+  static M both(M a, M b) { return _mm_and_si128(a, b); }
+  static bool covers(M a, M b) { return _mm_testc_si128(a, b) != 0; }
   static M without(M a, M b) { return _mm_andnot_si128(b, a); }
   static std::uint32_t bits(M m) { return static_cast<std::uint32_t>(_mm_movemask_ps(_mm_castsi128_ps(m))); }
 };
@@ -186,6 +201,7 @@ struct Lanes8 {
   static V madd(V a, V b) { return _mm256_madd_epi16(a, b); }
   static V abs32(V a) { return _mm256_abs_epi32(a); }
   static V max32(V a, V b) { return _mm256_max_epi32(a, b); }
+  static V min32(V a, V b) { return _mm256_min_epi32(a, b); }
   static V top(V a) {
     a = _mm256_max_epi32(a, _mm256_permute2x128_si256(a, a, 1));
     a = _mm256_max_epi32(a, _mm256_shuffle_epi32(a, 0x4E));
@@ -198,6 +214,8 @@ struct Lanes8 {
   }
   static V keep(M m, V a) { return _mm256_and_si256(m, a); }
   static M equal(V a, V b) { return _mm256_cmpeq_epi32(a, b); }
+  static M both(M a, M b) { return _mm256_and_si256(a, b); }
+  static bool covers(M a, M b) { return _mm256_testc_si256(a, b) != 0; }
   static M without(M a, M b) { return _mm256_andnot_si256(b, a); }
   static std::uint32_t bits(M m) { return static_cast<std::uint32_t>(_mm256_movemask_ps(_mm256_castsi256_ps(m))); }
 };
@@ -214,6 +232,9 @@ struct Reals {
   static V mul(V a, V b) { return _mm256_mul_pd(a, b); }
   static V abs(V a) { return _mm256_andnot_pd(_mm256_set1_pd(-0.0), a); }
   static V max(V a, V b) { return _mm256_max_pd(a, b); }
+  static V min(V a, V b) { return _mm256_min_pd(a, b); }
+  static V mul_add(V a, V b, V c) { return _mm256_fmadd_pd(a, b, c); }
+  static V mul_sub(V a, V b, V c) { return _mm256_fmsub_pd(a, b, c); }
   static double top(V a) {
     const __m128d two = _mm_max_pd(_mm256_castpd256_pd128(a), _mm256_extractf128_pd(a, 1));
     return _mm_cvtsd_f64(_mm_max_pd(two, _mm_unpackhi_pd(two, two)));
@@ -283,6 +304,9 @@ struct Lanes4 {
   static V max32(V a, V b) {
     return make([&](unsigned i) { return a.lane[i] > b.lane[i] ? a.lane[i] : b.lane[i]; });
   }
+  static V min32(V a, V b) {
+    return make([&](unsigned i) { return a.lane[i] < b.lane[i] ? a.lane[i] : b.lane[i]; });
+  }
   static V top(V a) {
     std::int32_t r = a.lane[0];
     for (unsigned i = 1; i < kLanes; ++i) r = a.lane[i] > r ? a.lane[i] : r;
@@ -299,6 +323,8 @@ struct Lanes4 {
   static M equal(V a, V b) {
     return mask([&](unsigned i) { return a.lane[i] == b.lane[i]; });
   }
+  static M both(M a, M b) { return a & b; }
+  static bool covers(M a, M b) { return (b & ~a) == 0; }
   static M without(M a, M b) { return a & ~b; }
   static std::uint32_t bits(M m) { return m; }
 };
@@ -319,6 +345,10 @@ struct Reals {
   static double magnitude(double v) { return v < 0 ? -v : v; }
   static V abs(V a) { return {{magnitude(a.lane[0]), magnitude(a.lane[1])}}; }
   static double larger(double a, double b) { return a > b ? a : b; }
+  static double lesser(double a, double b) { return a < b ? a : b; }
+  static V min(V a, V b) { return {{lesser(a.lane[0], b.lane[0]), lesser(a.lane[1], b.lane[1])}}; }
+  static V mul_add(V a, V b, V c) { return add(mul(a, b), c); }
+  static V mul_sub(V a, V b, V c) { return sub(mul(a, b), c); }
   static V max(V a, V b) { return {{larger(a.lane[0], b.lane[0]), larger(a.lane[1], b.lane[1])}}; }
   static double top(V a) { return larger(a.lane[0], a.lane[1]); }
   static M first(unsigned count) { return (1U << count) - 1U; }

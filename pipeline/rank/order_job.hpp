@@ -20,11 +20,11 @@ struct OrderJob {
   std::uint32_t* counts; ///< kOrderCounts
 };
 
-/// Three tables of 11 bits.
-inline constexpr std::size_t kOrderCounts = 3 * 2048;
+/// A table of 256 for each byte of a key.
+inline constexpr std::size_t kOrderCounts = 8 * 256;
 
 /// Indexes of more points do not fit a key.
-inline constexpr std::size_t kOrderPoints = std::size_t{1} << 22U;
+inline constexpr std::size_t kOrderPoints = std::size_t{1} << 24U;
 
 /// False: the order is nearly right, but some distances or depths need more bits than a key has.
 [[nodiscard]] bool order_portable(const OrderJob& job);

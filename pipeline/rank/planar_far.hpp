@@ -1,6 +1,5 @@
-// Farthest points of planar intervals in doubles, which are exact while spans stay below 2^26 counts. Included by the units of each
-// instruction set.
-// SPDX-License-Identifier: Apache-2.0
+// Farthest points of planar intervals in doubles, which are exact while spans stay below 2^26 counts. Included by the units of
+// each instruction set. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "pipeline/rank/lanes.hpp"
@@ -47,9 +46,22 @@ public:
     const auto [a, b] = batch.interval[i];
     const Chord chord(job_, a, b);
     V most = R::set1(0);
+    V nearest = chord.length;
+    V farthest = R::set1(0);
+    std::uint32_t k = a + 1;
+    for (; k + R::kLanes <= b; k += R::kLanes) {
+      const Step d = step(chord, k);
+      const V dot = dot_of(chord, d);
+      most = R::max(most, cross_of(chord, d));
+      nearest = R::min(nearest, dot);
+      farthest = R::max(farthest, dot);
+    }
+    const auto all_lanes = R::first(R::kLanes);
     std::uint32_t outside = 0;
-    for (std::uint32_t k = a + 1; k < b; k += R::kLanes) {
-      const auto lanes = R::first(smaller(b - k, R::kLanes));
+    if (k > a + 1)
+      outside = R::bits(R::without(all_lanes, R::both(R::inside(nearest, chord.length), R::inside(farthest, chord.length))));
+    if (k < b) {
+      const auto lanes = R::first(b - k);
       const Step d = step(chord, k);
       most = R::max(most, R::keep(lanes, cross_of(chord, d)));
       outside |= R::bits(R::without(lanes, R::inside(dot_of(chord, d), chord.length)));
@@ -137,9 +149,9 @@ private:
     return {R::sub(R::load(job_.u + first), c.base_u), R::sub(R::load(job_.v + first), c.base_v)};
   }
   [[nodiscard]] static V cross_of(const Chord& c, const Step& d) {
-    return R::abs(R::sub(R::mul(d.v, c.along_u), R::mul(d.u, c.along_v)));
+    return R::abs(R::mul_sub(d.v, c.along_u, R::mul(d.u, c.along_v)));
   }
-  [[nodiscard]] static V dot_of(const Chord& c, const Step& d) { return R::add(R::mul(d.u, c.along_u), R::mul(d.v, c.along_v)); }
+  [[nodiscard]] static V dot_of(const Chord& c, const Step& d) { return R::mul_add(d.u, c.along_u, R::mul(d.v, c.along_v)); }
 
   const VectorJob& job_;
 };

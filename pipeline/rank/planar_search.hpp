@@ -26,6 +26,8 @@ public:
     return kLeast[c];
   }
 
+  static constexpr bool is_short(unsigned c) { return c > 1 && c <= kMore; }
+
   PlanarSearch(const VectorJob& job, std::uint32_t span) : job_(job), far_(job), wide_(span >= PlanarFar::kWide) {
     const std::uint32_t n = job.n;
     const std::int32_t* __restrict const u = job.u;
@@ -35,19 +37,29 @@ public:
     for (std::uint32_t i = 0; i < n; ++i)
       pairs[i] = (static_cast<std::uint32_t>(u[i]) & 0xFFFFU) | (static_cast<std::uint32_t>(v[i]) << 16U);
     // Steps are cut at the reach that counts, so the sum over an interval shorter than that cannot overflow.
-    reach[0] = 0;
-    for (std::uint32_t i = 1; i < n; ++i) {
-      const std::int32_t du = u[i] - u[i - 1];
-      const std::int32_t dv = v[i] - v[i - 1];
+    // Beyond the last point there is padding, which repeats it.
+    for (std::uint32_t i = 0; i < n + kReachBlock; ++i) {
+      const std::int32_t du = u[i + 1] - u[i];
+      const std::int32_t dv = v[i + 1] - v[i];
       reach[i] = static_cast<std::uint32_t>(smaller(larger(du < 0 ? -du : du, dv < 0 ? -dv : dv), kShortReach));
     }
+    // In place: block k of steps becomes element k.
     std::uint32_t sum = 0;
-    for (std::uint32_t i = 1; i < n; ++i) reach[i] = sum += reach[i];
+    for (std::uint32_t block = 0; block * kReachBlock < n; ++block) {
+      const std::uint32_t* const steps = reach + block * kReachBlock;
+      const std::uint32_t here =
+          ((steps[0] + steps[1]) + (steps[2] + steps[3])) + ((steps[4] + steps[5]) + (steps[6] + steps[7]));
+      reach[block] = sum;
+      sum += here;
+    }
+    reach[(n + kReachBlock - 1) / kReachBlock] = sum;
   }
 
   [[nodiscard]] unsigned class_of(std::uint32_t a, std::uint32_t b) const {
     constexpr std::uint32_t kLimit = kShortReach;
-    const bool is_short = b - a < kLimit && job_.reach[b] - job_.reach[a] < kLimit;
+    // Whole blocks of steps: at most so far, so short is short.
+    const std::uint32_t most = job_.reach[(b + kReachBlock - 1) / kReachBlock] - job_.reach[a / kReachBlock];
+    const bool is_short = b - a < kLimit && most < kLimit;
     const std::uint32_t length = smaller(b - a, ClassOfLength::kLongest);
     return is_short ? kClassOf.in_halves[length] : kClassOf.in_doubles[length];
   }
@@ -62,6 +74,7 @@ public:
   template <unsigned c>
   void find(Batch& batch, unsigned count) {
     if constexpr (c == 1) find_lone(batch, count);
+    batch.apart_count = 0;
     if constexpr (c == 2) find_short<Lanes4, 4>(batch, count);
     if constexpr (c == 3) find_short<Lanes8, 8>(batch, count);
     if constexpr (c == 4) find_short<Lanes16, 16>(batch, count);
@@ -69,7 +82,10 @@ public:
     if constexpr (c == 6) find_short<Lanes16, 64>(batch, count);
     if constexpr (c < kMore) return;
     for (unsigned i = 0; i < count; ++i) {
-      if (c != kFar8 && c != kFar16 && guarded(batch, i)) continue;
+      if (c != kFar8 && c != kFar16 && guarded(batch, i)) {
+        if constexpr (c == kMore) batch.set_apart(i);
+        continue;
+      }
       if constexpr (c == kMore) {
         find_more(batch, i);
       } else {
@@ -109,7 +125,8 @@ private:
   struct Chord {
     typename L::V base, along, across, length;
     Chord(const std::uint32_t* from, const std::uint32_t* to)
-        : base(L::spread(from)), along(L::sub16(L::spread(to), base)), across(L::across(along)), length(L::madd(along, along)) {}
+        : base(L::spread(from)), along(L::sub16(L::spread(to), base)), across(L::across(along)), length(L::madd(along, along)) {
+    }
   };
 
   bool guarded(Batch& batch, unsigned i) {
@@ -123,20 +140,13 @@ private:
     return false;
   }
 
-  static void put(Batch& batch, unsigned i, std::uint32_t k, std::int32_t cross, std::int32_t squared) {
-    const double c = cross;
-    batch.put(i, k, c * c, squared);
-  }
-
   void find_lone(Batch& batch, unsigned count) {
     for (unsigned i = 0; i < count; ++i) {
       const std::uint32_t a = batch.interval[i].a;
-      const auto u = [&](std::uint32_t k) { return static_cast<std::int16_t>(job_.pairs[k] - job_.pairs[a]); };
-      const auto v = [&](std::uint32_t k) { return static_cast<std::int16_t>((job_.pairs[k] >> 16U) - (job_.pairs[a] >> 16U)); };
-      const std::int32_t eu = u(a + 2);
-      const std::int32_t ev = v(a + 2);
-      const std::int32_t du = u(a + 1);
-      const std::int32_t dv = v(a + 1);
+      const std::int32_t du = job_.u[a + 1] - job_.u[a];
+      const std::int32_t dv = job_.v[a + 1] - job_.v[a];
+      const std::int32_t eu = job_.u[a + 2] - job_.u[a];
+      const std::int32_t ev = job_.v[a + 2] - job_.v[a];
       const std::int32_t dot = du * eu + dv * ev;
       const std::int32_t squared = eu * eu + ev * ev;
       const double cross = eu * dv - ev * du;
@@ -158,26 +168,28 @@ private:
       const std::uint32_t* const points = job_.pairs + a + 1;
       const Chord<L> chord(job_.pairs + a, job_.pairs + b);
       typename L::V cross[kVectors];
+      typename L::M lanes[kVectors];
       typename L::V most = L::zero();
-      std::uint32_t outside = 0;
+      bool all_inside = true;
       for (unsigned v = 0; v < kVectors; ++v) {
         const unsigned before = v * L::kLanes;
-        const auto lanes = L::first(inner <= before ? 0 : smaller(inner - before, L::kLanes));
+        lanes[v] = kVectors == 1 ? L::first(inner) : L::first(inner <= before ? 0 : smaller(inner - before, L::kLanes));
         const auto d = L::sub16(L::load(points + before), chord.base);
-        cross[v] = L::keep(lanes, L::abs32(L::madd(d, chord.across)));
-        outside |= L::bits(L::without(lanes, L::inside(L::madd(d, chord.along), chord.length)));
-        most = L::max32(most, cross[v]);
+        cross[v] = L::keep(lanes[v], L::abs32(L::madd(d, chord.across)));
+        all_inside &= L::covers(L::inside(L::madd(d, chord.along), chord.length), lanes[v]);
+        most = v == 0 ? cross[v] : L::max32(most, cross[v]);
       }
-      if (outside != 0) {
+      if (!all_inside) {
         find_mixed(batch, i);
         continue;
       }
       const auto top = L::top(most);
       std::uint64_t mask = 0;
       for (unsigned v = 0; v < kVectors; ++v)
-        mask |= static_cast<std::uint64_t>(L::bits(L::equal(cross[v], top))) << (v * L::kLanes);
-      mask &= ~std::uint64_t{0} >> (64 - inner);
-      put(batch, i, a + 1 + closest_to_middle(mask, inner), L::lane0(top), L::lane0(chord.length));
+        mask |= static_cast<std::uint64_t>(L::bits(L::both(lanes[v], L::equal(cross[v], top)))) << (v * L::kLanes);
+      batch.index[i] = a + 1 + closest_to_middle(mask, inner);
+      batch.cross[i] = L::lane0(top);
+      batch.squared[i] = L::lane0(chord.length);
     }
   }
 
@@ -186,9 +198,21 @@ private:
     const auto [a, b] = batch.interval[i];
     const Chord<L> chord(job_.pairs + a, job_.pairs + b);
     typename L::V most = L::zero();
-    std::uint32_t outside = 0;
-    for (std::uint32_t k = a + 1; k < b; k += L::kLanes) {
-      const auto lanes = L::first(smaller(b - k, L::kLanes));
+    typename L::V nearest = chord.length;
+    typename L::V farthest = L::zero();
+    std::uint32_t k = a + 1;
+    for (; k + L::kLanes <= b; k += L::kLanes) {
+      const auto d = L::sub16(L::load(job_.pairs + k), chord.base);
+      const auto dot = L::madd(d, chord.along);
+      most = L::max32(most, L::abs32(L::madd(d, chord.across)));
+      nearest = L::min32(nearest, dot);
+      farthest = L::max32(farthest, dot);
+    }
+    const auto all_lanes = L::first(L::kLanes);
+    std::uint32_t outside = L::bits(L::without(all_lanes, L::inside(nearest, chord.length)));
+    outside |= L::bits(L::without(all_lanes, L::inside(farthest, chord.length)));
+    if (k < b) {
+      const auto lanes = L::first(b - k);
       const auto d = L::sub16(L::load(job_.pairs + k), chord.base);
       most = L::max32(most, L::keep(lanes, L::abs32(L::madd(d, chord.across))));
       outside |= L::bits(L::without(lanes, L::inside(L::madd(d, chord.along), chord.length)));
@@ -199,10 +223,13 @@ private:
       const auto d = L::sub16(L::load(job_.pairs + first), chord.base);
       return L::bits(L::equal(L::abs32(L::madd(d, chord.across)), top)) & ((1U << count) - 1U);
     });
-    put(batch, i, best, L::lane0(top), L::lane0(chord.length));
+    batch.index[i] = best;
+    batch.cross[i] = L::lane0(top);
+    batch.squared[i] = L::lane0(chord.length);
   }
 
   void find_mixed(Batch& batch, unsigned i) {
+    batch.set_apart(i);
     if (wide_)
       batch.put(i, job_.exact(job_, batch.interval[i].a, batch.interval[i].b));
     else

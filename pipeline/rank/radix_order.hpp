@@ -1,6 +1,5 @@
-// Points by distance descending, depth, index: a radix sort by the leading bits of the distance, then whatever is left.
-// Included by the units of each instruction set.
-// SPDX-License-Identifier: Apache-2.0
+// Points by distance descending, depth, index: a radix sort by depth and the leading bits of the distance, then whatever is
+// left. Included by the units of each instruction set. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "pipeline/rank/order_job.hpp"
@@ -11,32 +10,18 @@
 namespace scansion {
 namespace {
 
-// A key holds, from the top: a zero bit (so that signed comparisons do); the leading bits of the largest distance minus the
-// point's; the depth; the index. Ascending keys are the order wanted, but for distances that differ in the bits cut off and for
-// depths and indexes that do not fit.
-constexpr unsigned kIndexBits = 22;
-static_assert(kOrderPoints == std::size_t{1} << kIndexBits);
-constexpr unsigned kDepthBits = 10;
-constexpr unsigned kDistanceAt = kIndexBits + kDepthBits;
-constexpr unsigned kDistanceBits = 63 - kDistanceAt;
-constexpr std::uint32_t kMostDepth = (1U << kDepthBits) - 1;
+// A key holds, from the top: the leading 31 bits of the largest distance minus the point's; 8 bits of depth; the index.
+// Ascending keys are the order wanted, but for distances that differ in the bits cut off and for depths and indexes that do not
+// fit. Digits are bytes, so taking one costs nothing.
+constexpr unsigned kIndexBits = 24;
+constexpr unsigned kDistanceAt = 32;
+constexpr unsigned kDistanceBits = 31;
+constexpr std::uint32_t kMostDepth = 255;
 constexpr std::uint64_t kIndexMask = (std::uint64_t{1} << kIndexBits) - 1;
+static_assert(kOrderPoints == std::size_t{1} << kIndexBits);
 
 inline std::uint64_t bits_of(double distance) {
   return __builtin_bit_cast(std::uint64_t, distance);
-}
-
-// How many bits of the distance the radix sort looks at, in how many passes: few points need few bits to differ, and tables as
-// long as the run would cost as much as the run.
-struct Digits {
-  unsigned width, passes;
-};
-inline Digits digits_for(std::uint32_t n) {
-  if (n < 400) return {8, 2};
-  if (n < 2048) return {9, 2};
-  if (n < 8192) return {10, 2};
-  if (n < 65'536) return {11, 2};
-  return {11, 3};
 }
 
 class RadixOrder {
@@ -45,17 +30,15 @@ public:
 
   bool run() {
     fill_keys();
-    const Digits digits = digits_for(job_.n);
-    const unsigned wanted = digits.width * digits.passes;
-    const unsigned looked_at = used_ < wanted ? used_ : wanted;
-    const unsigned shift = kDistanceAt + used_ - looked_at;
-    if (looked_at > 0) digits.passes == 2 ? pass<2>(shift, digits.width) : pass<3>(shift, digits.width);
-    if (used_ > 0) exchange_neighbours();
-    // Runs with few distances (flat ones, zigzags) have long ties.
-    if (used_ == 0 || !settle()) {
-      pass<1>(kIndexBits, kDepthBits);
-      if (used_ > 0) pass<3>(kDistanceAt, 11);
-    }
+    // Equal distances are common (parts of an interval have its distance at most, small ones have few values), so depths come
+    // first: every pass keeps the order of the one before. Few points need few bits to differ; settling does the rest.
+    if (job_.n < 300)
+      sort<3, 6, 7>();
+    else if (job_.n < 262'144)
+      sort<3, 5, 6, 7>();
+    else
+      sort<3, 4, 5, 6, 7>();
+    if (!settle()) sort<0, 1, 2, 3, 4, 5, 6, 7>();
     return finish();
   }
 
@@ -65,106 +48,115 @@ private:
     const std::uint32_t* __restrict const depth = job_.depth + 1;
     std::uint64_t* __restrict const keys = keys_;
     const std::uint32_t size = size_;
-    std::int64_t high = 0;
-    std::int64_t low = INT64_MAX;
+    // Zeros are equal whatever the leading bits are, so the least of the others sets the range.
+    double most = 0;
+    double least = __builtin_inf();
     for (std::uint32_t i = 0; i < size; ++i) {
-      const auto b = static_cast<std::int64_t>(bits_of(distance[i]));
-      const std::int64_t nonzero = b == 0 ? INT64_MAX : b; // zeros are equal whatever the leading bits are
-      high = high < b ? b : high;
-      low = nonzero < low ? nonzero : low;
+      const double d = distance[i];
+      const double positive = d > 0 ? d : __builtin_inf();
+      most = most < d ? d : most;
+      least = positive < least ? positive : least;
     }
-    const auto range = static_cast<std::uint64_t>(low < high ? high - low + 1 : 0);
-    const bool zeros = low == INT64_MAX; // all of them
-    const unsigned width = range == 0 || zeros ? 0 : 64U - static_cast<unsigned>(__builtin_clzll(range));
+    const auto high = static_cast<std::int64_t>(bits_of(most));
+    const auto range = static_cast<std::uint64_t>(most > 0 ? high - static_cast<std::int64_t>(bits_of(least)) + 1 : 0);
+    const unsigned width = range == 0 ? 0 : 64U - static_cast<unsigned>(__builtin_clzll(range));
     const unsigned cut = width > kDistanceBits ? width - kDistanceBits : 0;
-    used_ = width - cut;
-    const std::int64_t last = (std::int64_t{1} << used_) - 1;
+    const unsigned up = kDistanceBits - (width - cut);
+    const std::int64_t last = (std::int64_t{1} << (width - cut)) - 1;
     std::uint32_t deepest = 0;
     for (std::uint32_t i = 0; i < size; ++i) {
       const std::int64_t below = (high - static_cast<std::int64_t>(bits_of(distance[i]))) >> cut;
-      const auto leading = static_cast<std::uint64_t>(below < last ? below : last);
-      deepest |= depth[i];
-      keys[i] = leading << kDistanceAt | std::uint64_t{depth[i] & kMostDepth} << kIndexBits | (i + 1);
+      const auto leading = static_cast<std::uint64_t>(below < last ? below : last) << up;
+      const std::uint32_t d = depth[i];
+      deepest |= d;
+      keys[i] = leading << kDistanceAt | (std::uint64_t{d} << kIndexBits & 0xFFFFFFFFU) | (i + 1);
     }
     fits_ = deepest <= kMostDepth && job_.n <= kOrderPoints;
   }
 
-  // Stable, from the lowest digit on.
-  template <unsigned kPasses>
-  void pass(unsigned shift, unsigned width) {
-    const std::uint32_t table = 1U << width;
-    const std::uint64_t last = table - 1;
-    const std::uint32_t size = size_;
+  static unsigned byte_of(std::uint64_t key, unsigned byte) { return static_cast<unsigned>(key >> (8 * byte)) & 0xFFU; }
+
+  template <unsigned... kBytes>
+  void sort() {
+    constexpr unsigned kTable = 256;
     std::uint32_t* __restrict const counts = job_.counts;
-    __builtin_memset(counts, 0, sizeof(std::uint32_t) * table * kPasses);
-    const std::uint64_t* keys = keys_;
+    __builtin_memset(counts, 0, sizeof(std::uint32_t) * kTable * sizeof...(kBytes));
+    const std::uint64_t* __restrict const keys = keys_;
+    const std::uint32_t size = size_;
+#pragma GCC unroll 4
     for (std::uint32_t i = 0; i < size; ++i) {
-      const std::uint64_t digits = keys[i] >> shift;
-      ++counts[digits & last];
-      if constexpr (kPasses > 1) ++counts[table + (digits >> width & last)];
-      if constexpr (kPasses > 2) ++counts[2 * table + (digits >> (2 * width) & last)];
+      const std::uint64_t key = keys[i];
+      std::uint32_t* count = counts;
+      ((++count[byte_of(key, kBytes)], count += kTable), ...);
     }
-    for (unsigned p = 0; p < kPasses; ++p, shift += width) {
-      std::uint32_t* __restrict const count = counts + p * table;
-      std::uint64_t* __restrict const from = keys_;
-      std::uint64_t* __restrict const to = other_;
-      if (count[from[0] >> shift & last] == size) continue;
-      std::uint32_t before = 0;
-      for (std::uint32_t d = 0; d < table; ++d) {
-        const std::uint32_t here = count[d];
-        count[d] = before;
-        before += here;
-      }
-      for (std::uint32_t i = 0; i < size; ++i) {
-        const std::uint64_t key = from[i];
-        to[count[key >> shift & last]++] = key;
-      }
-      keys_ = to;
-      other_ = from;
-    }
+    std::uint32_t* count = counts;
+    ((scatter<kBytes>(count), count += kTable), ...);
   }
 
-  // One pass over each kind of pair: most ties are of two or three points, and this needs no prediction.
-  void exchange_neighbours() {
-    for (std::uint32_t round = 0; round < 3; ++round) {
-      std::uint32_t i = round % 2;
-#if defined(__AVX512F__)
-      for (; i + 8 <= size_; i += 8) {
-        const __m512i v = _mm512_loadu_si512(keys_ + i);
-        const __m512i turned = _mm512_permutex_epi64(v, 0xB1);
-        _mm512_storeu_si512(keys_ + i, _mm512_mask_blend_epi64(0xAA, _mm512_min_epi64(v, turned), _mm512_max_epi64(v, turned)));
-      }
-#elif defined(__AVX2__)
-      for (; i + 4 <= size_; i += 4) {
-        auto* const place = reinterpret_cast<__m256i*>(keys_ + i);
-        const __m256i v = _mm256_loadu_si256(place);
-        const __m256i turned = _mm256_permute4x64_epi64(v, 0xB1);
-        // Both of a pair know whether they change places: the left one when it is larger, the right one when it is smaller.
-        const __m256i greater = _mm256_cmpgt_epi64(v, turned);
-        _mm256_storeu_si256(place, _mm256_blendv_epi8(v, turned, _mm256_permute4x64_epi64(greater, 0xA0)));
-      }
-#endif
-      for (; i + 2 <= size_; i += 2) {
-        const std::uint64_t left = keys_[i];
-        const std::uint64_t right = keys_[i + 1];
-        keys_[i] = left < right ? left : right;
-        keys_[i + 1] = left < right ? right : left;
-      }
+  // Each count becomes the sum of those before it.
+  static void counts_to_places(std::uint32_t* const count) {
+#if defined(__AVX2__)
+    __m256i before = _mm256_setzero_si256();
+    for (unsigned d = 0; d < 256; d += 8) {
+      auto* const place = reinterpret_cast<__m256i*>(count + d);
+      const __m256i here = _mm256_loadu_si256(place);
+      __m256i sum = _mm256_add_epi32(here, _mm256_slli_si256(here, 4));
+      sum = _mm256_add_epi32(sum, _mm256_slli_si256(sum, 8));
+      // The shifts stay in 128 bit halves: the upper one lacks the total of the lower.
+      const __m256i lower = _mm256_permute2x128_si256(sum, sum, 0x08);
+      sum = _mm256_add_epi32(sum, _mm256_shuffle_epi32(lower, 0xFF));
+      _mm256_storeu_si256(place, _mm256_add_epi32(before, _mm256_sub_epi32(sum, here)));
+      before = _mm256_add_epi32(before, _mm256_permutevar8x32_epi32(sum, _mm256_set1_epi32(7)));
     }
+#else
+    std::uint32_t before = 0;
+    for (unsigned d = 0; d < 256; ++d) {
+      const std::uint32_t here = count[d];
+      count[d] = before;
+      before += here;
+    }
+#endif
+  }
+
+  template <unsigned kByte>
+  void scatter(std::uint32_t* __restrict const count) {
+    std::uint64_t* __restrict const from = keys_;
+    std::uint64_t* __restrict const to = other_;
+    const std::uint32_t size = size_;
+    if (count[byte_of(from[0], kByte)] == size) return;
+    counts_to_places(count);
+#pragma GCC unroll 4
+    for (std::uint32_t i = 0; i < size; ++i) {
+      const std::uint64_t key = from[i];
+      to[count[byte_of(key, kByte)]++] = key;
+    }
+    keys_ = to;
+    other_ = from;
+  }
+
+  // The first place from `i` on where a key is smaller than the one before it, give or take a few places in order; or size_.
+  [[nodiscard]] std::uint32_t next_descent(std::uint32_t i) const {
+    const std::uint64_t* const keys = keys_;
+#if defined(__AVX512F__)
+    for (; i + 8 <= size_; i += 8)
+      if (_mm512_cmplt_epu64_mask(_mm512_loadu_si512(keys + i), _mm512_loadu_si512(keys + i - 1)) != 0) break;
+#elif defined(__AVX2__)
+    for (; i + 4 <= size_; i += 4) {
+      const __m256i here = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(keys + i));
+      const __m256i before = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(keys + i - 1));
+      if (_mm256_movemask_epi8(_mm256_cmpgt_epi64(before, here)) != 0) break;
+    }
+#endif
+    while (i < size_ && keys[i - 1] <= keys[i]) ++i;
+    return i;
   }
 
   // Insertion sort of nearly sorted keys. False: that takes too many steps.
   bool settle() {
     std::uint64_t* const keys = keys_;
-    const std::uint32_t size = size_;
-    std::uint32_t steps = 2 * size;
-    std::uint64_t before = keys[0];
-    for (std::uint32_t i = 1; i < size; ++i) {
+    std::uint32_t steps = 2 * size_;
+    for (std::uint32_t i = next_descent(1); i < size_; i = next_descent(i + 1)) {
       const std::uint64_t key = keys[i];
-      if (key > before) {
-        before = key;
-        continue;
-      }
       std::uint32_t to = i;
       for (; to > 0 && keys[to - 1] > key; --to) {
         if (steps-- == 0) {
@@ -185,6 +177,7 @@ private:
     const double* __restrict const distance = job_.distance;
     const std::uint64_t* __restrict const keys = keys_;
     const std::uint32_t size = size_;
+#pragma GCC unroll 4
     for (std::uint32_t i = 0; i < size; ++i) {
       const auto index = static_cast<std::uint32_t>(keys[i] & kIndexMask);
       order[i] = index;
@@ -199,7 +192,6 @@ private:
   std::uint64_t* keys_;
   std::uint64_t* other_;
   std::uint32_t size_;
-  unsigned used_ = 0; ///< bits of the distance in a key
   bool fits_ = true;
 };
 

@@ -32,7 +32,8 @@ bool has_rank_unit(RankUnit unit) noexcept {
     case RankUnit::portable: return true;
 #if defined(__x86_64__)
     case RankUnit::avx2:
-      return __builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("bmi") != 0 && __builtin_cpu_supports("bmi2") != 0;
+      return __builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("bmi") != 0 && __builtin_cpu_supports("bmi2") != 0 &&
+             __builtin_cpu_supports("fma") != 0;
     case RankUnit::avx512:
       return has_rank_unit(RankUnit::avx2) && __builtin_cpu_supports("avx512f") != 0 &&
              __builtin_cpu_supports("avx512bw") != 0 && __builtin_cpu_supports("avx512dq") != 0 &&
@@ -63,10 +64,10 @@ struct Ranker::Scratch {
   std::vector<Interval> waiting;
 
   void reserve(std::size_t n) {
-    if (reach.size() >= n) return;
+    if (pairs.size() >= n + kVectorPad) return;
     copies.resize(3 * (n + kVectorPad));
     pairs.resize(n + kVectorPad);
-    reach.resize(n);
+    reach.resize(n + kVectorPad);
     waiting.resize(waiting_intervals(n));
   }
 };

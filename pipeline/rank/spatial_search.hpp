@@ -18,6 +18,8 @@ public:
     return kLeast[c];
   }
 
+  static constexpr bool is_short(unsigned) { return false; }
+
   SpatialSearch(const VectorJob& job, std::uint32_t span) : job_(job), wide_(span >= (1U << 25U)) {}
 
   [[nodiscard]] static unsigned class_of(std::uint32_t a, std::uint32_t b) {

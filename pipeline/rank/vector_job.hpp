@@ -41,7 +41,7 @@ struct VectorJob {
   // Scratch.
   std::int32_t* copies; ///< 3 * (n + kVectorPad)
   std::uint32_t* pairs; ///< n + kVectorPad
-  std::uint32_t* reach; ///< n
+  std::uint32_t* reach; ///< n + kVectorPad
   Interval* waiting;    ///< waiting_intervals(n)
 
   Search exact;   ///< searches any interval, point after point
@@ -54,8 +54,13 @@ struct VectorJob {
   const std::int32_t* w = nullptr; ///< null: one axis is constant, u and v are the others
 };
 
+/// So many steps between neighbours are summed at once.
+inline constexpr std::uint32_t kReachBlock = 8;
+/// Copies of waiting intervals read this far.
+inline constexpr std::size_t kWaitingPad = 64;
+
 [[nodiscard]] constexpr std::size_t waiting_intervals(std::size_t n) noexcept {
-  return 4 * n + 64;
+  return 4 * n + kWaitingPad + 256;
 }
 
 /// False: a span is kNarrowSpan or more, and nothing was done. All give the same results.

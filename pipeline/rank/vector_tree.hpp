@@ -13,7 +13,10 @@ inline constexpr unsigned kBatch = 64;
 struct Batch {
   Interval interval[kBatch];
   std::uint32_t index[kBatch];
-  double numerator[kBatch], denominator[kBatch];
+  double numerator[kBatch], denominator[kBatch]; ///< of the squared distance; or, for classes of short reach:
+  std::int32_t cross[kBatch], squared[kBatch];   ///< numerator = cross^2, denominator = squared, but for those in `apart`
+  std::uint8_t apart[kBatch];
+  unsigned apart_count;
 
   void put(unsigned i, std::uint32_t farthest, double num, double den) {
     index[i] = farthest;
@@ -21,6 +24,26 @@ struct Batch {
     denominator[i] = den;
   }
   void put(unsigned i, const Found& found) { put(i, found.index, found.numerator, found.denominator); }
+
+  void set_apart(unsigned i) {
+    apart[apart_count++] = static_cast<std::uint8_t>(i);
+    cross[i] = 0;
+    squared[i] = 1;
+  }
+
+  /// numerator := the squared distance, in counts.
+  void divide(unsigned count) {
+    for (unsigned i = 0; i < count; ++i) numerator[i] /= denominator[i];
+  }
+  void divide_short(unsigned count) {
+    double saved[kBatch];
+    for (unsigned k = 0; k < apart_count; ++k) saved[k] = numerator[apart[k]] / denominator[apart[k]];
+    for (unsigned i = 0; i < count; ++i) {
+      const auto c = static_cast<double>(cross[i]);
+      numerator[i] = c * c / static_cast<double>(squared[i]);
+    }
+    for (unsigned k = 0; k < apart_count; ++k) numerator[apart[k]] = saved[k];
+  }
 };
 
 template <class T>
@@ -116,7 +139,8 @@ inline void bisect(std::uint32_t a, std::uint32_t b, std::uint32_t first_depth, 
 }
 
 // Search has: kClasses; class_of(a, b), 0 for intervals without inner points, and class_of_part<c>, the same for parts of an
-// interval of class c, which are never of a higher class; least_inner(class); kLone, whether class 1 has one inner point only;
+// interval of class c, which are never of a higher class; least_inner(class); is_short(class), whether its results are
+// crosses; kLone, whether class 1 has one inner point only;
 // find<class>(batch, count).
 template <class Search>
 class Tree {
@@ -127,31 +151,42 @@ public:
     depth_[0] = depth_[n - 1] = 0;
     Interval* place = job.waiting;
     for (unsigned c = 0; c < Search::kClasses; ++c) {
-      waiting_[c] = place;
-      count_[c] = 0;
-      place += c == 0 ? 2 : n / Search::least_inner(c) + 2;
+      first_[c] = end_[c] = place;
+      place += c == 0 ? 2 * kBatch : n / Search::least_inner(c) + 2;
     }
     wait(0, n - 1, search.class_of(0, n - 1));
     grow<Search::kClasses - 1>();
   }
 
 private:
-  // Class 0 is written over and over and never counted: cheaper than a branch that nothing predicts.
+  // Class 0 is kept as well and dropped after each batch: cheaper than a branch that nothing predicts.
   void wait(std::uint32_t a, std::uint32_t b, unsigned c) {
-    waiting_[c][count_[c]] = {a, b};
-    count_[c] += c != 0 ? 1U : 0U;
+    Interval* const place = end_[c];
+    *place = {a, b};
+    end_[c] = place + 1;
+  }
+
+  // In blocks: a few intervals more than asked for cost less than exactness.
+  void copy_batch(const Interval* from, unsigned some) {
+    constexpr unsigned kBlock = 4;
+    static_assert(kBatch % kBlock == 0 && kWaitingPad >= kBlock);
+    for (unsigned i = 0; i < some; i += kBlock) __builtin_memcpy(batch_.interval + i, from + i, kBlock * sizeof(Interval));
   }
 
   template <unsigned c>
   void grow() {
     if constexpr (c > 0) {
-      while (count_[c] > 0) {
-        const unsigned some = smaller(count_[c], kBatch);
-        count_[c] -= some;
-        for (unsigned i = 0; i < some; ++i) batch_.interval[i] = waiting_[c][count_[c] + i];
+      while (end_[c] != first_[c]) {
+        const auto some = static_cast<unsigned>(smaller<std::ptrdiff_t>(end_[c] - first_[c], kBatch));
+        end_[c] -= some;
+        copy_batch(end_[c], some);
         search_.template find<c>(batch_, some);
-        for (unsigned i = 0; i < some; ++i) batch_.numerator[i] /= batch_.denominator[i];
+        if constexpr (Search::is_short(c))
+          batch_.divide_short(some);
+        else
+          batch_.divide(some);
         split<c>(some);
+        end_[0] = first_[0];
       }
       grow<c - 1>();
     }
@@ -182,8 +217,8 @@ private:
   Search& search_;
   double* q_; ///< squared distances in counts
   std::uint32_t* depth_;
-  Interval* waiting_[Search::kClasses];
-  std::uint32_t count_[Search::kClasses];
+  Interval* first_[Search::kClasses];
+  Interval* end_[Search::kClasses];
   Batch batch_;
 };
 

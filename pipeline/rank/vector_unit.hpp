@@ -34,7 +34,7 @@ inline bool rank_vector(VectorJob job) {
     if (k == constant) continue;
     std::int32_t* const copy = job.copies + next * (job.n + kVectorPad);
     __builtin_memcpy(copy, job.axes[k], job.n * sizeof(std::int32_t));
-    for (std::size_t i = 0; i < kVectorPad; ++i) copy[job.n + i] = 0;
+    for (std::size_t i = 0; i < kVectorPad; ++i) copy[job.n + i] = copy[job.n - 1];
     *seen[next++] = copy;
   }
   if (constant < 3) {
