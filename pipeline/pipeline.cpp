@@ -21,10 +21,7 @@ void GroupBuilder::take(LineGroup& out) {
 void rank_group(Ranker& ranker, const LineGroup& group, GroupRanks& out) {
   out.distance.resize(group.points());
   out.depth.resize(group.points());
-  const auto part = [](auto& values, const Run& run) { return std::span(values).subspan(run.first, run.count); };
-  for (const Run& run : group.runs)
-    ranker.rank({part(group.xyz[0], run), part(group.xyz[1], run), part(group.xyz[2], run), {}}, part(out.distance, run),
-                part(out.depth, run));
+  ranker.rank({group.xyz[0], group.xyz[1], group.xyz[2]}, group.runs, out.distance, out.depth);
 }
 
 void Pipeline::process(const LineGroup& group, EncodedGroup& out) {

@@ -29,7 +29,8 @@ Found search_exactly(const VectorJob& job, std::uint32_t a, std::uint32_t b) {
 bool has_rank_unit(RankUnit unit) noexcept {
   switch (unit) {
     case RankUnit::one_by_one:
-    case RankUnit::portable: return true;
+    case RankUnit::portable:
+    case RankUnit::automatic: return true;
 #if defined(__x86_64__)
     case RankUnit::avx2:
       return __builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("bmi") != 0 && __builtin_cpu_supports("bmi2") != 0 &&
@@ -46,11 +47,13 @@ bool has_rank_unit(RankUnit unit) noexcept {
   return false;
 }
 
-RankUnit best_rank_unit() noexcept {
-  static const RankUnit best = has_rank_unit(RankUnit::avx512) ? RankUnit::avx512
-                               : has_rank_unit(RankUnit::avx2) ? RankUnit::avx2
-                                                               : RankUnit::portable;
-  return best;
+RankUnit unit_for(RankUnit wanted, std::size_t points) noexcept {
+  if (wanted != RankUnit::automatic) return wanted;
+  static const bool has_avx512 = has_rank_unit(RankUnit::avx512);
+  static const RankUnit narrow = has_rank_unit(RankUnit::avx2) ? RankUnit::avx2 : RankUnit::portable;
+  // Wide lanes pay where most of the work is in long intervals; in short ones they only cost clock rate.
+  constexpr std::size_t kLong = 8192;
+  return has_avx512 && points >= kLong ? RankUnit::avx512 : narrow;
 }
 
 struct Ranker::Scratch {
@@ -61,7 +64,7 @@ struct Ranker::Scratch {
   std::vector<Waiting> stack;
   std::vector<std::int32_t> copies;
   std::vector<std::uint32_t> pairs, reach;
-  std::vector<Interval> waiting;
+  std::vector<Interval> runs, waiting;
 
   void reserve(std::size_t n) {
     if (pairs.size() >= n + kVectorPad) return;
@@ -73,7 +76,7 @@ struct Ranker::Scratch {
 };
 
 Ranker::Ranker(Rational resolution_mm, RankUnit unit)
-    : resolution_(resolution_mm), unit_(unit), scratch_(std::make_unique<Scratch>()) {}
+    : resolution_(resolution_mm), wanted_(unit), scratch_(std::make_unique<Scratch>()) {}
 Ranker::~Ranker() = default;
 Ranker::Ranker(Ranker&&) noexcept = default;
 Ranker& Ranker::operator=(Ranker&&) noexcept = default;
@@ -86,15 +89,45 @@ void Ranker::rank(const RunPoints& run, std::span<double> distance, std::span<st
     depth[end] = 0;
   }
   if (n < 3) return;
-  if (unit_ == RankUnit::one_by_one || !run.position.empty() || !rank_by_vectors(run, distance, depth))
+  scratch_->runs.assign(1, {0, static_cast<std::uint32_t>(n - 1)});
+  if (wanted_ == RankUnit::one_by_one || !run.position.empty() || !rank_by_vectors(run, distance, depth))
     rank_one_by_one(run, distance, depth);
 }
 
-bool Ranker::rank_by_vectors(const RunPoints& run, std::span<double> distance, std::span<std::uint32_t> depth) {
+void Ranker::rank(const std::array<std::span<const std::int32_t>, 3>& xyz, std::span<const Run> runs,
+                  std::span<double> distance, std::span<std::uint32_t> depth) {
+  // As many runs at once as stay in the nearest cache with all that ranking them needs.
+  constexpr std::uint32_t kTogether = 1024;
+  const auto rank_part = [&](std::uint32_t first, std::uint32_t count, const auto& how) {
+    return how(RunPoints{xyz[0].subspan(first, count), xyz[1].subspan(first, count), xyz[2].subspan(first, count), {}},
+               distance.subspan(first, count), depth.subspan(first, count));
+  };
+  for (std::size_t r = 0; r < runs.size();) {
+    auto& together = scratch_->runs;
+    together.clear();
+    const std::uint32_t first = runs[r].first;
+    std::uint32_t points = 0;
+    std::size_t end = r;
+    for (; end < runs.size() && (points == 0 || points + runs[end].count <= kTogether); ++end) {
+      together.push_back({points, points + runs[end].count - 1});
+      points += runs[end].count;
+    }
+    const bool done = wanted_ != RankUnit::one_by_one && end > r + 1 &&
+                      rank_part(first, points, [&](const RunPoints& p, auto d, auto n) { return rank_by_vectors(p, d, n); });
+    for (std::size_t k = r; !done && k < end; ++k)
+      rank_part(runs[k].first, runs[k].count, [&](const RunPoints& p, auto d, auto n) { rank(p, d, n); });
+    r = end;
+  }
+}
+
+// Ranks the runs listed in the scratch memory, `points` being all of theirs.
+bool Ranker::rank_by_vectors(const RunPoints& points, std::span<double> distance, std::span<std::uint32_t> depth) {
   Scratch& s = *scratch_;
-  s.reserve(run.size());
-  const VectorJob job{.axes = {run.x.data(), run.y.data(), run.z.data()},
-                      .n = static_cast<std::uint32_t>(run.size()),
+  s.reserve(points.size());
+  const VectorJob job{.axes = {points.x.data(), points.y.data(), points.z.data()},
+                      .n = static_cast<std::uint32_t>(points.size()),
+                      .runs = s.runs.data(),
+                      .run_count = static_cast<std::uint32_t>(s.runs.size()),
                       .scale_num = static_cast<double>(resolution_.num),
                       .scale_den = static_cast<double>(resolution_.den),
                       .distance = distance.data(),
@@ -106,7 +139,7 @@ bool Ranker::rank_by_vectors(const RunPoints& run, std::span<double> distance, s
                       .exact = search_exactly,
                       .guarded = nullptr,
                       .guard = nullptr};
-  switch (unit_) {
+  switch (unit_for(wanted_, points.size())) {
 #if defined(__x86_64__)
     case RankUnit::avx512: return rank_avx512(job);
     case RankUnit::avx2: return rank_avx2(job);

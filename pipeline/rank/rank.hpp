@@ -3,7 +3,9 @@
 #pragma once
 
 #include "pipeline/model/lattice.hpp"
+#include "pipeline/model/scan_line.hpp"
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -26,10 +28,12 @@ enum class RankUnit : std::uint8_t {
   one_by_one, ///< point after point; what runs of 2^30 counts or more and subsets always take
   portable,
   avx2,
-  avx512
+  avx512,
+  automatic ///< the fastest one the processor has for the number of points
 };
 [[nodiscard]] bool has_rank_unit(RankUnit unit) noexcept;
-[[nodiscard]] RankUnit best_rank_unit() noexcept;
+/// `wanted`, or what automatic means for a job of so many points.
+[[nodiscard]] RankUnit unit_for(RankUnit wanted, std::size_t points) noexcept;
 
 /// Ranks runs. Holds scratch memory, so one object serves one thread and allocates nothing in the steady state.
 ///
@@ -40,7 +44,7 @@ enum class RankUnit : std::uint8_t {
 class Ranker {
 public:
   /// `unit` must be one that the processor has.
-  explicit Ranker(Rational resolution_mm, RankUnit unit = best_rank_unit());
+  explicit Ranker(Rational resolution_mm, RankUnit unit = RankUnit::automatic);
   ~Ranker();
   Ranker(Ranker&&) noexcept;
   Ranker& operator=(Ranker&&) noexcept;
@@ -50,28 +54,32 @@ public:
   /// values are those of the whole run.
   void rank(const RunPoints& run, std::span<double> distance, std::span<std::uint32_t> depth);
 
+  /// The same for all runs of a group, whose points follow each other in `xyz`.
+  void rank(const std::array<std::span<const std::int32_t>, 3>& xyz, std::span<const Run> runs, std::span<double> distance,
+            std::span<std::uint32_t> depth);
+
   [[nodiscard]] Rational resolution() const noexcept { return resolution_; }
 
 private:
   struct Scratch;
-  bool rank_by_vectors(const RunPoints& run, std::span<double> distance, std::span<std::uint32_t> depth);
+  bool rank_by_vectors(const RunPoints& points, std::span<double> distance, std::span<std::uint32_t> depth);
   void rank_one_by_one(const RunPoints& run, std::span<double> distance, std::span<std::uint32_t> depth);
 
   Rational resolution_;
-  RankUnit unit_;
+  RankUnit wanted_;
   std::unique_ptr<Scratch> scratch_;
 };
 
 /// Orders ranked points. Holds scratch memory: one object, one thread.
 class RankSorter {
 public:
-  explicit RankSorter(RankUnit unit = best_rank_unit());
+  explicit RankSorter(RankUnit unit = RankUnit::automatic);
   /// The rearrangement j: end points 0 and n first, then by distance descending, depth ascending, index ascending. So any
   /// prefix is a state of the algorithm.
   void sort(std::span<const double> distance, std::span<const std::uint32_t> depth, std::vector<std::uint32_t>& order);
 
 private:
-  RankUnit unit_;
+  RankUnit wanted_;
   std::vector<std::uint64_t> keys_, sorted_;
   std::vector<std::uint32_t> counts_;
 };

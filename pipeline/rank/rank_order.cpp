@@ -39,7 +39,7 @@ bool settle(std::span<std::uint32_t> order, const ComesFirst& comes_first) {
 
 } // namespace
 
-RankSorter::RankSorter(RankUnit unit) : unit_(unit), counts_(kOrderCounts) {}
+RankSorter::RankSorter(RankUnit unit) : wanted_(unit), counts_(kOrderCounts) {}
 
 void RankSorter::sort(std::span<const double> distance, std::span<const std::uint32_t> depth,
                       std::vector<std::uint32_t>& order) {
@@ -60,7 +60,7 @@ void RankSorter::sort(std::span<const double> distance, std::span<const std::uin
                      .keys = keys_.data(),
                      .sorted = sorted_.data(),
                      .counts = counts_.data()};
-  if (order_by_vectors(job, unit_)) return;
+  if (order_by_vectors(job, unit_for(wanted_, n))) return;
   const auto comes_first = [&](std::uint32_t i, std::uint32_t j) {
     if (distance[i] != distance[j]) return distance[i] > distance[j];
     if (depth[i] != depth[j]) return depth[i] < depth[j];

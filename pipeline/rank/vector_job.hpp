@@ -27,12 +27,14 @@ inline constexpr std::uint32_t kNarrowSpan = 1U << 30U;
 inline constexpr std::uint64_t kGuardedWork = 48;
 inline constexpr std::uint32_t kGuardedInner = 256;
 
-/// One run of n >= 3 points.
+/// Runs that follow each other, n points in all. Several short ones at once keep the batches full.
 struct VectorJob {
   using Search = Found (*)(const VectorJob& job, std::uint32_t a, std::uint32_t b);
 
   const std::int32_t* axes[3]; ///< n coordinates in counts each
   std::uint32_t n;
+  const Interval* runs; ///< first and last point of each
+  std::uint32_t run_count;
   double scale_num, scale_den; ///< mm per count
 
   double* distance;     ///< n, out: mm
@@ -63,7 +65,8 @@ inline constexpr std::size_t kWaitingPad = 64;
   return 4 * n + kWaitingPad + 256;
 }
 
-/// False: a span is kNarrowSpan or more, and nothing was done. All give the same results.
+/// False: a span is kNarrowSpan or more, or several runs lie in planes of different axes, and nothing was done. All give the same
+/// results.
 [[nodiscard]] bool rank_portable(const VectorJob& job);
 #if defined(__x86_64__)
 [[nodiscard]] bool rank_avx2(const VectorJob& job);

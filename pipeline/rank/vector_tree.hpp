@@ -147,14 +147,17 @@ class Tree {
 public:
   Tree(const VectorJob& job, Search& search) : search_(search), q_(job.distance), depth_(job.depth) {
     const std::uint32_t n = job.n;
-    q_[0] = q_[n - 1] = __builtin_inf();
-    depth_[0] = depth_[n - 1] = 0;
     Interval* place = job.waiting;
     for (unsigned c = 0; c < Search::kClasses; ++c) {
       first_[c] = end_[c] = place;
       place += c == 0 ? 2 * kBatch : n / Search::least_inner(c) + 2;
     }
-    wait(0, n - 1, search.class_of(0, n - 1));
+    for (std::uint32_t r = 0; r < job.run_count; ++r) {
+      const auto [a, b] = job.runs[r];
+      q_[a] = q_[b] = __builtin_inf();
+      depth_[a] = depth_[b] = 0;
+      if (b > a + 1) wait(a, b, search.class_of(a, b));
+    }
     grow<Search::kClasses - 1>();
   }
 

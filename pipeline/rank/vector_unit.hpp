@@ -8,25 +8,34 @@
 namespace scansion {
 namespace {
 
-inline std::uint32_t span_of(const std::int32_t* axis, std::uint32_t n) {
-  std::int32_t low = axis[0];
-  std::int32_t high = axis[0];
+struct Extent {
+  std::int32_t low, high;
+};
+inline Extent extent_of(const std::int32_t* axis, std::uint32_t n) {
+  Extent e{axis[0], axis[0]};
   for (std::uint32_t i = 1; i < n; ++i) {
-    low = axis[i] < low ? axis[i] : low;
-    high = axis[i] > high ? axis[i] : high;
+    e.low = axis[i] < e.low ? axis[i] : e.low;
+    e.high = axis[i] > e.high ? axis[i] : e.high;
   }
-  return static_cast<std::uint32_t>(high) - static_cast<std::uint32_t>(low);
+  return e;
 }
 
 inline bool rank_vector(VectorJob job) {
   std::uint32_t most = 0;
-  unsigned constant = 3;
+  unsigned constant = 3; // the last axis along which no run moves
   for (unsigned k = 0; k < 3; ++k) {
-    const std::uint32_t span = span_of(job.axes[k], job.n);
-    most = larger(most, span);
-    if (span == 0) constant = k;
+    Extent all{job.axes[k][0], job.axes[k][0]};
+    bool moves = false;
+    for (std::uint32_t r = 0; r < job.run_count; ++r) {
+      const auto [a, b] = job.runs[r];
+      const Extent e = extent_of(job.axes[k] + a, b - a + 1);
+      all = {smaller(all.low, e.low), larger(all.high, e.high)};
+      moves |= e.low != e.high;
+    }
+    if (!moves) constant = k;
+    most = larger(most, static_cast<std::uint32_t>(all.high) - static_cast<std::uint32_t>(all.low));
   }
-  if (most >= kNarrowSpan) return false;
+  if (most >= kNarrowSpan || (constant == 3 && job.run_count > 1)) return false;
 
   const std::int32_t** const seen[3] = {&job.u, &job.v, &job.w};
   unsigned next = 0;
