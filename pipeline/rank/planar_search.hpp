@@ -26,6 +26,7 @@ public:
     return kLeast[c];
   }
 
+  static constexpr unsigned part_class(unsigned c) { return c == kFar ? kMore : c - 1; }
   static constexpr bool is_short(unsigned c) { return c > 1 && c <= kMore; }
 
   PlanarSearch(const VectorJob& job, std::uint32_t span) : job_(job), far_(job), wide_(span >= PlanarFar::kWide) {

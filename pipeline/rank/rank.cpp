@@ -3,6 +3,7 @@
 #include "pipeline/rank/rank.hpp"
 
 #include "pipeline/rank/farthest.hpp"
+#include "pipeline/rank/hull_tree.hpp"
 #include "pipeline/rank/vector_job.hpp"
 
 #include <array>
@@ -22,6 +23,19 @@ Found search_exactly(const VectorJob& job, std::uint32_t a, std::uint32_t b) {
                  exact::nearest_double(f.distance.denominator)};
   };
   return job.w == nullptr ? search(Planar{job.u, job.v}) : search(Spatial{job.u, job.v, job.w});
+}
+
+// The guard of one job; the tree is made for the first interval that needs it.
+struct Guard {
+  HullTree tree;
+  bool ready = false;
+};
+
+Found search_guarded(const VectorJob& job, std::uint32_t a, std::uint32_t b) {
+  auto& guard = *static_cast<Guard*>(job.guard);
+  if (!guard.ready) guard.tree.reset(job.u, job.v, job.n);
+  guard.ready = true;
+  return guard.tree.find(a, b);
 }
 
 } // namespace
@@ -65,6 +79,7 @@ struct Ranker::Scratch {
   std::vector<std::int32_t> copies;
   std::vector<std::uint32_t> pairs, reach;
   std::vector<Interval> runs, waiting;
+  Guard guard;
 
   void reserve(std::size_t n) {
     if (pairs.size() >= n + kVectorPad) return;
@@ -124,6 +139,7 @@ void Ranker::rank(const std::array<std::span<const std::int32_t>, 3>& xyz, std::
 bool Ranker::rank_by_vectors(const RunPoints& points, std::span<double> distance, std::span<std::uint32_t> depth) {
   Scratch& s = *scratch_;
   s.reserve(points.size());
+  if (s.guard.ready) s.guard = {};
   const VectorJob job{.axes = {points.x.data(), points.y.data(), points.z.data()},
                       .n = static_cast<std::uint32_t>(points.size()),
                       .runs = s.runs.data(),
@@ -137,8 +153,8 @@ bool Ranker::rank_by_vectors(const RunPoints& points, std::span<double> distance
                       .reach = s.reach.data(),
                       .waiting = s.waiting.data(),
                       .exact = search_exactly,
-                      .guarded = nullptr,
-                      .guard = nullptr};
+                      .guarded = search_guarded,
+                      .guard = &s.guard};
   switch (unit_for(wanted_, points.size())) {
 #if defined(__x86_64__)
     case RankUnit::avx512: return rank_avx512(job);

@@ -18,6 +18,7 @@ public:
     return kLeast[c];
   }
 
+  static constexpr unsigned part_class(unsigned c) { return c - 1; }
   static constexpr bool is_short(unsigned) { return false; }
 
   SpatialSearch(const VectorJob& job, std::uint32_t span) : job_(job), wide_(span >= (1U << 25U)) {}

@@ -47,7 +47,7 @@ struct VectorJob {
   Interval* waiting;    ///< waiting_intervals(n)
 
   Search exact;   ///< searches any interval, point after point
-  Search guarded; ///< the same for long intervals once the work has passed its limit
+  Search guarded; ///< the same for long planar intervals once the work has passed its limit
   void* guard;    ///< for `guarded`
 
   // Set by rank_*: the coordinates to look at, padded.
@@ -65,8 +65,8 @@ inline constexpr std::size_t kWaitingPad = 64;
   return 4 * n + kWaitingPad + 256;
 }
 
-/// False: a span is kNarrowSpan or more, or several runs lie in planes of different axes, and nothing was done. All give the same
-/// results.
+/// False: a span is kNarrowSpan or more, or several runs lie in planes of different axes, and nothing was done. All give the
+/// same results.
 [[nodiscard]] bool rank_portable(const VectorJob& job);
 #if defined(__x86_64__)
 [[nodiscard]] bool rank_avx2(const VectorJob& job);

@@ -140,7 +140,7 @@ inline void bisect(std::uint32_t a, std::uint32_t b, std::uint32_t first_depth, 
 
 // Search has: kClasses; class_of(a, b), 0 for intervals without inner points, and class_of_part<c>, the same for parts of an
 // interval of class c, which are never of a higher class; least_inner(class); is_short(class), whether its results are
-// crosses; kLone, whether class 1 has one inner point only;
+// crosses; part_class(class), the one most of its parts are of; kLone, whether class 1 has one inner point only;
 // find<class>(batch, count).
 template <class Search>
 class Tree {
@@ -190,6 +190,11 @@ private:
           batch_.divide(some);
         split<c>(some);
         end_[0] = first_[0];
+        // Long runs: what has just been looked at is still in the cache.
+        if constexpr (c > 1) {
+          constexpr unsigned kPart = Search::part_class(c);
+          if (end_[kPart] - first_[kPart] >= kBatch) grow<c - 1>();
+        }
       }
       grow<c - 1>();
     }
