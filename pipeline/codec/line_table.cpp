@@ -4,9 +4,7 @@
 
 #include "pipeline/codec/endian.hpp"
 
-#include <algorithm>
 #include <limits>
-#include <numeric>
 
 namespace scansion {
 namespace {
@@ -38,37 +36,6 @@ std::int64_t wrapping_difference(std::int64_t a, std::int64_t b) noexcept {
 }
 std::int64_t wrapping_sum(std::int64_t a, std::int64_t b) noexcept {
   return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) + static_cast<std::uint64_t>(b));
-}
-
-std::int64_t modulo(std::int64_t v, std::int64_t step) noexcept {
-  const std::int64_t rest = v % step;
-  return rest < 0 ? rest + step : rest;
-}
-
-// A step is only worth its name when the axis spans many of them.
-constexpr std::int64_t kLeastSteps = 64;
-
-struct Majority {
-  std::int64_t residue = 0;
-  bool clear = false; ///< three quarters of the values have it
-};
-
-// Majority vote over a sample of the values.
-Majority majority_residue(std::span<const std::int32_t> values, std::int64_t step) noexcept {
-  constexpr std::size_t kSample = 1024;
-  const std::size_t stride = std::max<std::size_t>(1, values.size() / kSample);
-  Majority m;
-  std::size_t votes = 0;
-  for (std::size_t i = 0; i < values.size(); i += stride) {
-    const std::int64_t r = modulo(values[i], step);
-    if (votes == 0) m.residue = r;
-    votes = r == m.residue ? votes + 1 : votes - 1;
-  }
-  std::size_t have = 0;
-  std::size_t all = 0;
-  for (std::size_t i = 0; i < values.size(); i += stride, ++all) have += modulo(values[i], step) == m.residue ? 1U : 0U;
-  m.clear = 4 * have >= 3 * all;
-  return m;
 }
 
 Result<void> read_runs(ByteReader& from, std::uint8_t flags, std::uint32_t limit, LineGroup& group, ScanLine& line) {
@@ -110,38 +77,11 @@ void read_stamps(ByteReader& from, std::uint8_t flags, Stamps& last, ScanLine& l
 
 } // namespace
 
-AxisScale find_scale(std::span<const std::int32_t> values) noexcept {
-  if (values.empty()) return {};
-  const auto [low, high] = std::ranges::minmax(values);
-  if (low == high) return {low, 1, false};
-  std::int64_t step = 0;
-  for (const std::int32_t v : values) {
-    step = std::gcd(step, std::int64_t{v} - values.front());
-    if (step == 1) break;
-  }
-  const std::int64_t range = std::int64_t{high} - low;
-  std::int64_t residue = values.front();
-  bool split = false;
-  for (std::int64_t wider = step * 10; wider <= range / kLeastSteps; wider *= 10) {
-    const Majority m = majority_residue(values, wider);
-    if (!m.clear) break;
-    step = wider;
-    residue = m.residue;
-    split = true;
-  }
-  // Near the middle, so that the distance to both ends fits 32 bits even for step 1: the first base at or above it.
-  const std::int64_t middle = low + (range + 1) / 2;
-  const std::int64_t base = middle + modulo(residue - middle, step);
-  if (base > std::numeric_limits<std::int32_t>::max())
-    return {static_cast<std::int32_t>(base - step), static_cast<std::uint32_t>(step), split};
-  return {static_cast<std::int32_t>(base), static_cast<std::uint32_t>(step), split};
-}
-
 void write_line_table(const LineGroup& group, const AxisScales& scales, bool exact, Bytes& to) {
   to.push_back(static_cast<std::byte>(exact ? kExact : 0));
   for (const AxisScale& scale : scales) {
     put_signed(to, scale.base);
-    put_varint(to, std::uint64_t{scale.step} << 1U | (scale.split ? 1U : 0U));
+    put_varint(to, std::uint64_t{scale.step} << 2U | (scale.even ? 2U : 0U) | (scale.split ? 1U : 0U));
   }
   Stamps last;
   for (const ScanLine& line : group.lines) {
@@ -176,10 +116,10 @@ Result<void> read_line_table(ByteView table, const PayloadHeader& header, LineGr
   for (AxisScale& scale : scales) {
     const std::int64_t base = from.signed_varint();
     const std::uint64_t packed = from.varint();
-    const std::uint64_t step = packed >> 1U;
+    const std::uint64_t step = packed >> 2U;
     if (!from.ok() || base != static_cast<std::int32_t>(base) || step == 0 || step > std::numeric_limits<std::uint32_t>::max())
       return fail(Errc::damaged, "the line table has an impossible axis scale");
-    scale = {static_cast<std::int32_t>(base), static_cast<std::uint32_t>(step), (packed & 1U) != 0};
+    scale = {static_cast<std::int32_t>(base), static_cast<std::uint32_t>(step), (packed & 1U) != 0, (packed & 2U) != 0};
   }
   Stamps last;
   group.clear();
