@@ -15,8 +15,8 @@ struct GroupDecoder::Impl {
   GroupState state;
   PlaneReader planes;
   SymbolReader symbols;
-  AxisScales scales;
-  bool exact = false;
+  GroupFacts facts;
+  AxisScales& scales = facts.scales;
   PayloadHeader lines;
   Bytes table;
   Neighbours neighbours;
@@ -29,6 +29,7 @@ struct GroupDecoder::Impl {
   [[nodiscard]] Result<void> read_level(ByteReader& from, const PayloadHeader& header, const LineGroup& group);
   [[nodiscard]] Result<void> read_rest(ByteReader& from, const PayloadHeader& header, const DecodedGroup& out);
   [[nodiscard]] Result<void> read_rest_axis(ByteReader& from, const LineGroup& group, std::size_t axis);
+  [[nodiscard]] Result<void> unfold_fan(LineGroup& group);
   [[nodiscard]] Result<void> publish(ByteReader& from, const PayloadHeader& header, DecodedGroup& out);
 };
 
@@ -133,11 +134,28 @@ Result<void> GroupDecoder::Impl::read_rest(ByteReader& from, const PayloadHeader
   return success();
 }
 
+// Ranges and directions to coordinates.
+Result<void> GroupDecoder::Impl::unfold_fan(LineGroup& group) {
+  const Fan& fan = facts.fan;
+  auto& x = group.xyz[fan.range_axis];
+  auto& y = group.xyz[fan.direction_axis];
+  for (const PointIndex i : points) {
+    const std::int32_t range = x[i];
+    const std::int32_t direction = y[i];
+    if (direction < 0 || static_cast<std::size_t>(direction) >= fan.directions.size())
+      return fail(Errc::damaged, "a point lies on a direction that its fan does not have");
+    x[i] = fan.coordinate(0, direction, range);
+    y[i] = fan.coordinate(1, direction, range);
+  }
+  return success();
+}
+
 // Turns steps into counts, and reads what the steps leave over.
 Result<void> GroupDecoder::Impl::publish(ByteReader& from, const PayloadHeader& header, DecodedGroup& out) {
   const bool rest = header.kind == PayloadKind::rest;
-  const bool leftovers = exact || std::ranges::any_of(scales, &AxisScale::split);
-  if (rest && leftovers) {
+  // Where a step is all there is to a coordinate, all points are done at once in the end.
+  const bool plain = !facts.exact && facts.fan.empty() && std::ranges::none_of(scales, &AxisScale::split);
+  if (rest && !plain) {
     points.clear();
     for (std::size_t i = 0; i < out.width.size(); ++i)
       if (out.width[i] == DecodedGroup::kUnknown) points.push_back(static_cast<PointIndex>(i));
@@ -147,19 +165,23 @@ Result<void> GroupDecoder::Impl::publish(ByteReader& from, const PayloadHeader& 
     auto& to = out.group.xyz[axis];
     const auto& u = state.u[axis];
     const auto base = static_cast<std::uint32_t>(scale.base);
-    const auto value = [&](PointIndex i) { return base + scale.step * static_cast<std::uint32_t>(u[i]); };
-    if (scale.split) {
-      SCANSION_TRY(planes.get_planes(from, points.size(), residuals));
-      for (std::size_t p = 0; p < points.size(); ++p)
-        to[points[p]] = static_cast<std::int32_t>(value(points[p]) + static_cast<std::uint32_t>(wrap(residuals[p])));
-    } else if (rest) {
-      // With the rest all points are known; what the levels have told comes out the same again.
+    if (rest && plain)
       kernels::from_steps(u.data(), base, scale.step, to.data(), u.size());
-    } else {
-      for (const PointIndex i : points) to[i] = static_cast<std::int32_t>(value(i));
+    else
+      for (const PointIndex i : points) to[i] = static_cast<std::int32_t>(base + scale.step * static_cast<std::uint32_t>(u[i]));
+  }
+  if (!facts.fan.empty()) {
+    SCANSION_TRY(unfold_fan(out.group));
+  }
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (!scales[axis].split) continue;
+    SCANSION_TRY(planes.get_planes(from, points.size(), residuals));
+    for (std::size_t p = 0; p < points.size(); ++p) {
+      std::int32_t& to = out.group.xyz[axis][points[p]];
+      to = wrap(to + std::int64_t{wrap(residuals[p])});
     }
   }
-  for (std::size_t axis = 0; exact && axis < 3; ++axis) {
+  for (std::size_t axis = 0; facts.exact && axis < 3; ++axis) {
     SCANSION_TRY(planes.get_planes(from, points.size(), residuals));
     for (std::size_t p = 0; p < points.size(); ++p) out.group.ulp[axis][points[p]] = residuals[p];
   }
@@ -179,18 +201,19 @@ Result<void> GroupDecoder::begin(ByteView lines_payload, DecodedGroup& out) {
   Impl& s = *impl_;
   SCANSION_TRY(header, check_payload(lines_payload));
   if (header.kind != PayloadKind::lines) return fail(Errc::damaged, "a group does not begin with its line table");
-  // The longest line table: per line its stamps and plane, per run two counts.
+  // The longest line table: per line its stamps and plane, per run two counts, per direction of a fan its vector.
   constexpr std::size_t kMaxLineBytes = 96;
   constexpr std::size_t kMaxRunBytes = 10;
-  const std::size_t limit = 64 + header.line_count * kMaxLineBytes + header.points * kMaxRunBytes;
+  constexpr std::size_t kMaxDirectionBytes = 20;
+  const std::size_t limit = 128 + header.line_count * kMaxLineBytes + header.points * (kMaxRunBytes + kMaxDirectionBytes);
   ByteReader from(lines_payload.subspan(kPayloadHeaderSize, header.body_size));
   SCANSION_TRY(s.planes.get_blob(from, limit, s.table));
   if (!from.at_end()) return fail(Errc::damaged, "bytes follow the line table");
-  SCANSION_TRY(read_line_table(s.table, header, out.group, s.scales, s.exact));
+  SCANSION_TRY(read_line_table(s.table, header, out.group, s.facts));
   s.lines = header;
   s.state.reset(header.points);
   for (auto& axis : out.group.xyz) axis.assign(header.points, 0);
-  for (auto& axis : out.group.ulp) axis.assign(s.exact ? header.points : 0, 0);
+  for (auto& axis : out.group.ulp) axis.assign(s.facts.exact ? header.points : 0, 0);
   out.width.assign(header.points, DecodedGroup::kUnknown);
   out.levels = header.levels;
   out.known_levels = 0;

@@ -37,7 +37,9 @@ struct GroupEncoder::Impl {
   GroupState state;
   PlaneWriter planes;
   SymbolWriter symbols;
-  AxisScales scales;
+  GroupFacts facts;
+  AxisScales& scales = facts.scales;
+  FanFinder fans;
   Bytes table;
   std::array<std::vector<PointIndex>, kMaxLevels> level_points;
   std::array<double, kMaxLevels + 1> farthest{}; // per alpha-width: the largest finite D
@@ -58,6 +60,8 @@ struct GroupEncoder::Impl {
 
   void sort_levels(const LineGroup& group, const GroupRanks& ranks, const AlphaSet& alpha);
   void load(const LineGroup& group);
+  void find_fan(const LineGroup& group);
+  [[nodiscard]] std::int64_t remainder(const LineGroup& group, std::size_t axis, PointIndex i) const noexcept;
   void write_even_ends(const LineGroup& group, Bytes& to);
   void write_level_positions(const LineGroup& group, std::span<const PointIndex> points, Bytes& to);
   void write_level(const LineGroup& group, std::uint8_t level, Bytes& to);
@@ -96,6 +100,37 @@ void GroupEncoder::Impl::load(const LineGroup& group) {
     scales[axis] = find_scale(group.xyz[axis], group.runs, ends);
     to_steps(group.xyz[axis], scales[axis], state.u[axis]);
   }
+  facts.exact = !group.ulp[0].empty();
+  find_fan(group);
+}
+
+// A fan lies in a plane: two axes turn, the third is even.
+void GroupEncoder::Impl::find_fan(const LineGroup& group) {
+  Fan& fan = facts.fan;
+  fan.clear();
+  const auto even = static_cast<std::size_t>(std::ranges::find_if(scales, &AxisScale::even) - scales.begin());
+  if (even == 3 || std::ranges::count_if(scales, &AxisScale::even) != 1) return;
+  fan.range_axis = even == 0 ? 1 : 0;
+  fan.direction_axis = even == 2 ? 1 : 2;
+  fans.find(group.xyz[fan.range_axis], group.xyz[fan.direction_axis], fan);
+  if (fan.empty()) return;
+  for (const std::size_t part : {0U, 1U}) {
+    const std::size_t axis = part == 0 ? fan.range_axis : fan.direction_axis;
+    const auto& values = part == 0 ? fans.ranges : fans.directions;
+    scales[axis] = find_scale(values, group.runs, ends);
+    if (scales[axis].split) scales[axis] = {scales[axis].base, 1, false, false};
+    to_steps(values, scales[axis], state.u[axis]);
+    for (std::size_t i = 0; i < values.size() && !scales[axis].split; ++i)
+      scales[axis].split = fan.coordinate(part, fans.directions[i], fans.ranges[i]) != group.xyz[axis][i];
+  }
+}
+
+// By how much a point lies beside what its steps say.
+std::int64_t GroupEncoder::Impl::remainder(const LineGroup& group, std::size_t axis, PointIndex i) const noexcept {
+  const Fan& fan = facts.fan;
+  if (fan.empty() || (axis != fan.range_axis && axis != fan.direction_axis)) return scales[axis].remainder(group.xyz[axis][i]);
+  const std::size_t part = axis == fan.range_axis ? 0 : 1;
+  return wrap(std::int64_t{group.xyz[axis][i]} - fan.coordinate(part, fans.directions[i], fans.ranges[i]));
 }
 
 void GroupEncoder::Impl::write_even_ends(const LineGroup& group, Bytes& to) {
@@ -158,7 +193,7 @@ void GroupEncoder::Impl::write_level(const LineGroup& group, std::uint8_t level,
 }
 
 void GroupEncoder::Impl::write_rest(const LineGroup& group, Bytes& to) {
-  const std::size_t along = main_axis(group);
+  const std::size_t along = facts.fan.empty() ? main_axis(group) : facts.fan.direction_axis;
   to.push_back(static_cast<std::byte>(along));
   const std::size_t points = group.points();
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -252,8 +287,7 @@ void GroupEncoder::Impl::write_leftovers(const LineGroup& group, bool rest_of_al
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (!scales[axis].split) continue;
     leftovers.clear();
-    visit_new(group, rest_of_all, coarsest,
-              [&](PointIndex i) { leftovers.push_back(scales[axis].remainder(group.xyz[axis][i])); });
+    visit_new(group, rest_of_all, coarsest, [&](PointIndex i) { leftovers.push_back(remainder(group, axis, i)); });
     planes.put_planes(to, leftovers);
   }
   for (const auto& axis : group.ulp) {
@@ -294,7 +328,7 @@ void GroupEncoder::encode(const LineGroup& group, const GroupRanks& ranks, const
 
   s.load(group);
   s.table.clear();
-  write_line_table(group, s.scales, !group.ulp[0].empty(), s.table);
+  write_line_table(group, s.facts, s.table);
   s.planes.put_blob(out.payloads[0], s.table);
   header.left_out = *std::ranges::max_element(s.farthest);
   header.points = static_cast<std::uint32_t>(points);

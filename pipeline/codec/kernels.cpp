@@ -88,6 +88,19 @@ constexpr auto contexts_avx2 = contexts_body;
 
 } // namespace
 
+void portable::weigh_above(const std::int16_t* weights, const Above& above, const std::int32_t* chord, std::int64_t* sum,
+                           std::int32_t* size, std::size_t n) noexcept {
+  weigh_above_body(weights, above, chord, sum, size, n);
+}
+void portable::residuals(const std::int16_t* weights, const std::int32_t* deviation, const std::int64_t* sum,
+                         std::int32_t* residual, std::size_t n) noexcept {
+  residuals_body(weights, deviation, sum, residual, n);
+}
+void portable::contexts(const std::int32_t* size, const std::int32_t* above, bool has_above, std::uint8_t* context,
+                        std::size_t n) noexcept {
+  contexts_body(size, above, has_above, context, n);
+}
+
 void subtract(const std::int32_t* __restrict a, const std::int32_t* __restrict b, std::int32_t* __restrict to,
               std::size_t n) noexcept {
   for (std::size_t i = 0; i < n; ++i) to[i] = minus(a[i], b[i]);
@@ -107,7 +120,7 @@ void weigh_above(const std::int16_t* weights, const Above& above, const std::int
   if (has_avx2())
     weigh_above_avx2(weights, above, chord, sum, size, n);
   else
-    weigh_above_body(weights, above, chord, sum, size, n);
+    portable::weigh_above(weights, above, chord, sum, size, n);
 }
 
 void residuals(const std::int16_t* weights, const std::int32_t* deviation, const std::int64_t* sum, std::int32_t* residual,
@@ -115,7 +128,7 @@ void residuals(const std::int16_t* weights, const std::int32_t* deviation, const
   if (has_avx2())
     residuals_avx2(weights, deviation, sum, residual, n);
   else
-    residuals_body(weights, deviation, sum, residual, n);
+    portable::residuals(weights, deviation, sum, residual, n);
 }
 
 void sizes(const std::int32_t* __restrict residual, std::uint32_t limit, std::int32_t* __restrict size,
@@ -133,7 +146,7 @@ void contexts(const std::int32_t* size, const std::int32_t* above, bool has_abov
   if (has_avx2())
     contexts_avx2(size, above, has_above, context, n);
   else
-    contexts_body(size, above, has_above, context, n);
+    portable::contexts(size, above, has_above, context, n);
 }
 
 } // namespace scansion::kernels

@@ -38,4 +38,14 @@ void sizes(const std::int32_t* residual, std::uint32_t limit, std::int32_t* size
 void contexts(const std::int32_t* size, const std::int32_t* above, bool has_above, std::uint8_t* context,
               std::size_t n) noexcept;
 
+/// The baseline versions, for tests.
+namespace portable {
+void weigh_above(const std::int16_t* weights, const Above& above, const std::int32_t* chord, std::int64_t* sum,
+                 std::int32_t* size, std::size_t n) noexcept;
+void residuals(const std::int16_t* weights, const std::int32_t* deviation, const std::int64_t* sum, std::int32_t* residual,
+               std::size_t n) noexcept;
+void contexts(const std::int32_t* size, const std::int32_t* above, bool has_above, std::uint8_t* context,
+              std::size_t n) noexcept;
+} // namespace portable
+
 } // namespace scansion::kernels

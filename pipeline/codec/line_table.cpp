@@ -10,6 +10,7 @@ namespace scansion {
 namespace {
 
 constexpr std::uint8_t kExact = 1;
+constexpr std::uint8_t kFan = 2;
 
 enum LineFlag : std::uint8_t {
   kDevice = 1,
@@ -77,12 +78,13 @@ void read_stamps(ByteReader& from, std::uint8_t flags, Stamps& last, ScanLine& l
 
 } // namespace
 
-void write_line_table(const LineGroup& group, const AxisScales& scales, bool exact, Bytes& to) {
-  to.push_back(static_cast<std::byte>(exact ? kExact : 0));
-  for (const AxisScale& scale : scales) {
+void write_line_table(const LineGroup& group, const GroupFacts& facts, Bytes& to) {
+  to.push_back(static_cast<std::byte>((facts.exact ? kExact : 0) | (facts.fan.empty() ? 0 : kFan)));
+  for (const AxisScale& scale : facts.scales) {
     put_signed(to, scale.base);
     put_varint(to, std::uint64_t{scale.step} << 2U | (scale.even ? 2U : 0U) | (scale.split ? 1U : 0U));
   }
+  if (!facts.fan.empty()) write_fan(facts.fan, to);
   Stamps last;
   for (const ScanLine& line : group.lines) {
     const auto runs = group.runs_of(line);
@@ -108,18 +110,22 @@ void write_line_table(const LineGroup& group, const AxisScales& scales, bool exa
   }
 }
 
-Result<void> read_line_table(ByteView table, const PayloadHeader& header, LineGroup& group, AxisScales& scales, bool& exact) {
+Result<void> read_line_table(ByteView table, const PayloadHeader& header, LineGroup& group, GroupFacts& facts) {
   ByteReader from(table);
-  const std::uint8_t facts = from.byte();
-  if (facts > kExact) return fail(Errc::damaged, "the line table has unknown flags");
-  exact = facts == kExact;
-  for (AxisScale& scale : scales) {
+  const std::uint8_t flags_of_all = from.byte();
+  if (flags_of_all > (kExact | kFan)) return fail(Errc::damaged, "the line table has unknown flags");
+  facts.exact = (flags_of_all & kExact) != 0;
+  facts.fan.clear();
+  for (AxisScale& scale : facts.scales) {
     const std::int64_t base = from.signed_varint();
     const std::uint64_t packed = from.varint();
     const std::uint64_t step = packed >> 2U;
     if (!from.ok() || base != static_cast<std::int32_t>(base) || step == 0 || step > std::numeric_limits<std::uint32_t>::max())
       return fail(Errc::damaged, "the line table has an impossible axis scale");
     scale = {static_cast<std::int32_t>(base), static_cast<std::uint32_t>(step), (packed & 1U) != 0, (packed & 2U) != 0};
+  }
+  if ((flags_of_all & kFan) != 0) {
+    SCANSION_TRY(read_fan(from, header.points, facts.fan));
   }
   Stamps last;
   group.clear();

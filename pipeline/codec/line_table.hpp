@@ -3,14 +3,21 @@
 #pragma once
 
 #include "pipeline/codec/axis_scale.hpp"
+#include "pipeline/codec/fan.hpp"
 #include "pipeline/codec/varint.hpp"
 
 namespace scansion {
 
-void write_line_table(const LineGroup& group, const AxisScales& scales, bool exact, Bytes& to);
+/// What all points of a group share.
+struct GroupFacts {
+  AxisScales scales;
+  Fan fan;            ///< empty for most
+  bool exact = false; ///< IEEE residuals are kept
+};
+
+void write_line_table(const LineGroup& group, const GroupFacts& facts, Bytes& to);
 
 /// Fills lines and runs of `group`; checks every count against `header`.
-[[nodiscard]] Result<void> read_line_table(ByteView table, const PayloadHeader& header, LineGroup& group, AxisScales& scales,
-                                           bool& exact);
+[[nodiscard]] Result<void> read_line_table(ByteView table, const PayloadHeader& header, LineGroup& group, GroupFacts& facts);
 
 } // namespace scansion

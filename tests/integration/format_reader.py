@@ -239,6 +239,29 @@ def polyline(u, run):
     return out
 
 
+class Fan:
+    """Directions of a sensor that turns."""
+
+    def __init__(self, table, limit):
+        axes, self.shift, count, turn = table.byte(), table.byte(), table.varint(), table.signed()
+        self.axes = (axes & 3, axes >> 2)
+        need(max(self.axes) <= 2 and self.axes[0] != self.axes[1] and self.shift <= 30 and 1 <= count <= limit,
+             f"{table.where}: a fan of axes {self.axes}, shift {self.shift}, {count} directions")
+        self.directions = [(0, 0), (0, 0)]
+        for _ in range(count):
+            (x, y), (x2, y2) = self.directions[-1], self.directions[-2]
+            self.directions.append(tuple(self.wide((self.wide(turn * a) >> 30) - b + table.signed()) for a, b in ((x, x2), (y, y2))))
+        del self.directions[:2]
+
+    @staticmethod
+    def wide(value):
+        return (value + (1 << 63)) % (1 << 64) - (1 << 63)
+
+    def coordinate(self, axis, n, d):
+        need(0 <= d < len(self.directions), f"direction {d} of {len(self.directions)}")
+        return self.wide(self.directions[d][self.axes.index(axis)] * n + (1 << self.shift >> 1)) >> self.shift
+
+
 class Group:
     """One group: the line table, then level after level."""
 
@@ -247,13 +270,14 @@ class Group:
         table = header.body.blob()
         header.body.end()
         flags = table.byte()
-        need(flags <= 1, f"{table.where}: flags {flags}")
-        self.residuals = bool(flags)
+        need(flags <= 3, f"{table.where}: flags {flags}")
+        self.residuals = bool(flags & 1)
         self.axes, self.even = [], []
         for _ in range(3):
             base, step = table.signed(), table.varint()
             self.axes.append((base, step >> 2, bool(step & 1)))
             self.even.append(bool(step & 2))
+        self.fan = Fan(table, header.points) if flags & 2 else None
         self.lines, self.runs, self.count = [], [], 0
         last = [0] * 4
         for i in range(header.lines):
@@ -310,6 +334,16 @@ class Group:
                 self.store(values, new, body.planes(len(new)))
         self.store(self.level, new, [header.level] * len(new))
         body.end()
+
+    def count_at(self, axis, i):
+        def number(k):
+            base, step, _ = self.axes[k]
+            return wrap(base + step * self.u[k][i])
+        if self.fan and axis in self.fan.axes:
+            value = self.fan.coordinate(axis, *map(number, self.fan.axes))
+        else:
+            value = number(axis)
+        return wrap(value + self.remainder[axis][i])
 
     @staticmethod
     def store(values, where, what):
@@ -640,8 +674,7 @@ class Recording:
 
     def value(self, group, axis, i):
         """A Fraction, or a float when the recording keeps IEEE values."""
-        base, step, _ = group.axes[axis]
-        value = (self.origin[axis] + wrap(base + step * group.u[axis][i] + group.remainder[axis][i])) * self.resolution
+        value = (self.origin[axis] + group.count_at(axis, i)) * self.resolution
         if not group.residuals:
             return value
         return from_ordered(ordered(nearest(value, self.form), self.form) + group.ulps[axis][i], self.form)
