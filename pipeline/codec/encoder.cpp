@@ -55,7 +55,6 @@ struct GroupEncoder::Impl {
   std::vector<std::int32_t> rest_residuals;
   std::vector<std::uint8_t> rest_contexts;
   std::vector<std::int64_t> leftovers;
-  Bytes alone; ///< positions without the line before
   Bytes plain; ///< an axis of the rest as planes
 
   void sort_levels(const LineGroup& group, const GroupRanks& ranks, const AlphaSet& alpha);
@@ -104,12 +103,20 @@ void GroupEncoder::Impl::load(const LineGroup& group) {
   find_fan(group);
 }
 
-// A fan lies in a plane: two axes turn, the third is even.
+// A fan lies in a plane: two axes turn, the third is even and goes on slowly.
 void GroupEncoder::Impl::find_fan(const LineGroup& group) {
   Fan& fan = facts.fan;
   fan.clear();
-  const auto even = static_cast<std::size_t>(std::ranges::find_if(scales, &AxisScale::even) - scales.begin());
-  if (even == 3 || std::ranges::count_if(scales, &AxisScale::even) != 1) return;
+  std::size_t even = 3;
+  std::int64_t least = std::numeric_limits<std::int64_t>::max();
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (!scales[axis].even || group.points() == 0) continue;
+    const auto [low, high] = std::ranges::minmax(group.xyz[axis]);
+    if (std::int64_t{high} - low >= least) continue;
+    least = std::int64_t{high} - low;
+    even = axis;
+  }
+  if (even == 3) return;
   fan.range_axis = even == 0 ? 1 : 0;
   fan.direction_axis = even == 2 ? 1 : 2;
   fans.find(group.xyz[fan.range_axis], group.xyz[fan.direction_axis], fan);
@@ -146,19 +153,16 @@ void GroupEncoder::Impl::write_even_ends(const LineGroup& group, Bytes& to) {
 
 // Following the line before pays where edges go on from line to line, and costs where vertices come and go with the noise.
 void GroupEncoder::Impl::write_level_positions(const LineGroup& group, std::span<const PointIndex> points, Bytes& to) {
-  const auto attempt = [&](bool follow, Bytes& bytes) {
-    bytes.push_back(std::byte{follow});
+  const auto attempt = [&](bool follow) {
     symbols.clear();
     write_positions(group.runs, points, follow, state, symbols);
-    symbols.write(bytes);
+    return symbols.estimate();
   };
-  alone.clear();
-  attempt(false, alone);
-  const std::size_t start = to.size();
-  attempt(true, to);
-  if (to.size() - start <= alone.size()) return;
-  to.resize(start);
-  attempt(false, to);
+  const std::uint64_t alone = attempt(false);
+  const bool follow = attempt(true) <= alone;
+  if (!follow) (void)attempt(false);
+  to.push_back(std::byte{follow});
+  symbols.write(to);
 }
 
 void GroupEncoder::Impl::write_level(const LineGroup& group, std::uint8_t level, Bytes& to) {
@@ -212,7 +216,7 @@ void GroupEncoder::Impl::write_rest(const LineGroup& group, Bytes& to) {
 }
 
 void GroupEncoder::Impl::write_rest_axis(const LineGroup& group, std::size_t axis, Bytes& to) {
-  constexpr std::size_t kSample = 4096;
+  constexpr std::size_t kSample = 2048;
   const auto& u = state.u[axis];
   RestAxis& at = rest_axes[axis];
   kernels::subtract(u.data(), at.chord.data(), at.deviation.data(), u.size());

@@ -49,11 +49,13 @@ std::uint64_t WeightFit::cost(const Weights& weights) const noexcept {
   return sum;
 }
 
-Weights WeightFit::solve() const noexcept {
+WeightFit::Normal WeightFit::normal_of(const Weights* w) const noexcept {
   // Each row counts by the inverse square of its own size: edges, where nothing can be predicted, must not decide.
   Normal normal{};
-  for (const Sample& s : rows_) {
-    std::array<double, kWeights + 2> x{};
+  const std::size_t stride = w != nullptr ? 2 : 1;
+  for (std::size_t row = 0; row < rows_.size(); row += stride) {
+    const Sample& s = rows_[row];
+    std::array<double, kWeights + 1> x;
     double size = std::abs(static_cast<double>(s.target));
     for (std::size_t i = 0; i < kWeights; ++i) {
       x[i] = s.deviations[i];
@@ -61,15 +63,31 @@ Weights WeightFit::solve() const noexcept {
     }
     x[kWeights] = s.target;
     size /= kWeights + 1;
-    const double importance = 1.0 / (size * size + 30.0);
+    double importance = 1.0 / (size * size + 30.0);
+    if (w != nullptr) {
+      std::int64_t guess = 2048;
+      for (std::size_t k = 0; k < kWeights; ++k) guess += std::int64_t{(*w)[k]} * s.deviations[k];
+      const double r = static_cast<double>(wrap(s.target - (guess >> kWeightBits)));
+      importance = 1.0 / (r * r / 2 + size * size / 2 + 30.0);
+    }
+    // The lower half and the right side are all that is needed.
     for (std::size_t i = 0; i < kWeights; ++i) {
       const double xi = x[i] * importance;
-      for (std::size_t j = 0; j < kWeights + 2; ++j) normal[i][j] += xi * x[j];
+      for (std::size_t j = 0; j <= i; ++j) normal[i][j] += xi * x[j];
+      normal[i][kWeights] += xi * x[kWeights];
     }
   }
+  return normal;
+}
+
+Weights WeightFit::solve() const noexcept {
+  Normal normal = normal_of(nullptr);
   const Weights all = solve(normal, kWeights);
   const Weights without = solve(normal, kLeft + kBeside);
-  return cost(all) < cost(without) ? all : without;
+  const bool more = cost(all) < cost(without);
+  const Weights first = more ? all : without;
+  const Weights second = solve(normal_of(&first), more ? kWeights : kLeft + kBeside);
+  return cost(second) < cost(first) ? second : first;
 }
 
 } // namespace scansion

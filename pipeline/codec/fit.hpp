@@ -21,7 +21,8 @@ private:
     Row deviations;
     std::int32_t target;
   };
-  using Normal = std::array<std::array<double, kWeights + 2>, kWeights>; // the last column but one: the right side
+  using Normal = std::array<std::array<double, kWeights + 1>, kWeights>; // lower half; the last column: the right side
+  [[nodiscard]] Normal normal_of(const Weights* first) const noexcept;
   [[nodiscard]] Weights solve(Normal normal, std::size_t count) const noexcept;
   [[nodiscard]] std::uint64_t cost(const Weights& weights) const noexcept;
   std::vector<Sample> rows_;

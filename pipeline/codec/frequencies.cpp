@@ -38,8 +38,8 @@ constexpr std::uint32_t weight(std::uint8_t k) noexcept {
 }
 
 // What a table costs, roughly: its start, and a few bits a token.
-constexpr std::uint64_t kTableCost = std::uint64_t{16} << kLogBits;
-constexpr std::uint64_t kTokenCost = (std::uint64_t{5} << kLogBits) / 2;
+constexpr std::uint64_t kTableCost = std::uint64_t{24} << kLogBits;
+constexpr std::uint64_t kTokenCost = std::uint64_t{2} << kLogBits;
 
 } // namespace
 
@@ -53,31 +53,122 @@ std::uint64_t coded_cost(const TokenCounts& counts) noexcept {
   std::uint64_t sum = 0;
   std::uint64_t own = 0;
   std::uint64_t used = 0;
-  for (const std::uint32_t n : counts) {
-    if (n == 0) continue;
-    sum += n;
-    own += std::uint64_t{n} * log2_fixed(n);
-    ++used;
+  constexpr std::size_t kBlock = 4; // most tokens do not occur, and those that do stand together
+  static_assert(kTokens % kBlock == 0);
+  for (std::size_t block = 0; block < kTokens; block += kBlock) {
+    if ((counts[block] | counts[block + 1] | counts[block + 2] | counts[block + 3]) == 0) continue;
+    for (std::size_t t = block; t < block + kBlock; ++t) {
+      const std::uint32_t n = counts[t];
+      sum += n;
+      own += std::uint64_t{n} * log2_fixed(n | (n == 0 ? 1U : 0U));
+      used += n != 0 ? 1U : 0U;
+    }
   }
   if (sum == 0) return 0;
   return sum * log2_fixed(static_cast<std::uint32_t>(sum)) - own + kTableCost + used * kTokenCost;
 }
 
+namespace {
+
+// The class whose weight is nearest to scaled = count / (largest count) * (largest weight), at least 1.
+std::uint8_t class_of(std::uint64_t scaled) noexcept {
+  if (scaled < 4) return 1;
+  const auto octave = static_cast<unsigned>(std::bit_width(scaled)) - 3;
+  return static_cast<std::uint8_t>(std::min<std::uint64_t>(kMaxClass, 4 * octave + ((scaled >> octave) & 3U) + 1));
+}
+
+// Of each token a few classes: none, those around the one that its count and its neighbours' ask for, those around its own.
+constexpr int kAround = 2;
+constexpr int kNear = 0;
+constexpr std::size_t kChoices = 1 + (2 * kAround + 1) + (2 * kNear + 1);
+
+struct Choice {
+  std::uint8_t k;
+  std::uint8_t before; // index of the choice of the token before
+  std::uint64_t cost;
+};
+using Choices = std::array<Choice, kChoices>;
+
+constexpr auto kWeightLogs = [] {
+  std::array<std::uint32_t, kMaxClass + 1> logs{};
+  for (std::uint8_t k = 1; k <= kMaxClass; ++k)
+    logs[k] = ((k - 1U) / 4U + 2U) * (1U << kLogBits) + kLogTable[(k - 1U) % 4U * 64U];
+  return logs;
+}();
+
+// Bits of the gamma code of a step from class to class.
+constexpr auto kStepBits = [] {
+  std::array<std::array<std::uint8_t, kMaxClass + 1>, kMaxClass + 1> bits{};
+  for (int from = 0; from <= kMaxClass; ++from)
+    for (int to = 0; to <= kMaxClass; ++to)
+      bits[static_cast<std::size_t>(from)][static_cast<std::size_t>(to)] =
+          static_cast<std::uint8_t>(2 * std::bit_width(fold(to - from) + 1) - 1);
+  return bits;
+}();
+
+} // namespace
+
+// The classes for which table and tokens together are cheapest, by dynamic programming along the tokens: where there are few
+// counts, a table that follows their every step costs more than it gives.
 Classes classes_of(const TokenCounts& counts) noexcept {
   Classes out{};
-  const std::uint64_t top = *std::ranges::max_element(counts);
-  if (top == 0) return out;
-  for (std::size_t t = 0; t < kTokens; ++t) {
-    if (counts[t] == 0) continue;
-    // The nearest class below in the logarithm, rounded in the middle of a class.
-    const std::uint64_t scaled = std::uint64_t{counts[t]} * (weight(kMaxClass) + weight(kMaxClass) / 16) / top;
-    std::uint8_t k = 1;
-    if (scaled >= 4) {
-      const auto octave = static_cast<unsigned>(std::bit_width(scaled)) - 3;
-      k = static_cast<std::uint8_t>(4 * octave + ((scaled >> octave) & 3U) + 1);
-    }
-    out[t] = std::min(k, kMaxClass);
+  std::size_t used = kTokens;
+  while (used > 0 && counts[used - 1] == 0) --used;
+  if (used == 0) return out;
+  std::uint64_t top = 0;
+  std::uint64_t sum = 0;
+  for (const std::uint32_t n : counts) {
+    top = std::max<std::uint64_t>(top, n);
+    sum += n;
   }
+  constexpr std::uint64_t kTopWeight = weight(kMaxClass) + weight(kMaxClass) / 16; // rounds in the middle of a class
+  const std::uint64_t total = sum * kTopWeight / top;                              // about the sum of all weights
+  constexpr std::uint64_t kPerNat = 5909;                                          // 2^kLogBits / ln 2
+  constexpr std::uint64_t kPlenty = 8192; // tokens that make the table's own cost small
+  if (sum >= kPlenty) {
+    for (std::size_t t = 0; t < used; ++t)
+      if (counts[t] != 0) out[t] = class_of(counts[t] * kTopWeight / top);
+    return out;
+  }
+  std::array<Choices, kTokens> steps;
+  const auto smooth = [&](std::size_t t) {
+    const auto n = [&](std::size_t back, std::size_t on) {
+      return std::uint64_t{t >= back && t + on < kTokens + back ? counts[t + on - back] : 0};
+    };
+    return n(2, 0) + 2 * n(1, 0) + 3 * n(0, 0) + 2 * n(0, 1) + n(0, 2);
+  };
+  for (std::size_t t = 0; t < used; ++t) {
+    const int middle = class_of(smooth(t) * kTopWeight / (9 * top));
+    const int exact = class_of(counts[t] * kTopWeight / top);
+    for (std::size_t c = 0; c < kChoices; ++c) {
+      Choice& choice = steps[t][c];
+      const int at = static_cast<int>(c) - 1 - kAround;
+      const int k = c == 0 ? 0 : at <= kAround ? middle + at : exact + at - (kAround + 1 + kNear); // -kNear to kNear
+      choice.k = static_cast<std::uint8_t>(std::clamp<int>(k, c == 0 ? 0 : 1, kMaxClass));
+      choice.before = 0;
+      if (choice.k == 0 && counts[t] != 0) {
+        choice.cost = ~std::uint64_t{0} >> 8U;
+        continue;
+      }
+      // Less weight makes the token itself dear, more weight all others.
+      constexpr std::uint64_t kMostLog = kWeightLogs[kMaxClass];
+      const std::uint64_t own = counts[t] * (kMostLog - kWeightLogs[choice.k]) + sum * weight(choice.k) * kPerNat / total;
+      std::uint64_t least = ~std::uint64_t{0};
+      for (std::uint8_t b = 0; b < (t == 0 ? 1 : kChoices); ++b) {
+        const std::uint8_t from = t == 0 ? kMaxClass : steps[t - 1][b].k;
+        const std::uint64_t cost = (t == 0 ? 0 : steps[t - 1][b].cost) + (std::uint64_t{kStepBits[from][choice.k]} << kLogBits);
+        if (cost < least) {
+          least = cost;
+          choice.before = b;
+        }
+      }
+      choice.cost = least + own;
+    }
+  }
+  std::size_t best = 0;
+  for (std::size_t c = 1; c < kChoices; ++c)
+    if (steps[used - 1][c].cost < steps[used - 1][best].cost) best = c;
+  for (std::size_t t = used; t-- > 0; best = steps[t][best].before) out[t] = steps[t][best].k;
   return out;
 }
 

@@ -75,6 +75,9 @@ void align_runs(const LineGroup& group, const AxisScales& scales, GroupState& st
       const Run& run = *above[a].run;
       state.above[line.first_run + r] = {above_run + static_cast<std::uint32_t>(a), run.first, run.first + run.count - 1,
                                          shift_between(here[r], above[a], scales, state), true};
+      const RunAbove& at = state.above[line.first_run + r];
+      for (const PointIndex i : {here[r].run->first, here[r].run->first + here[r].run->count - 1})
+        state.beside[i] = at.beside(i);
     }
     above.swap(here);
     above_run = line.first_run;

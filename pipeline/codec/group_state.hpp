@@ -29,14 +29,14 @@ struct RunAbove {
 /// A point that a level adds.
 struct Fresh {
   PointIndex point = 0;
-  PointIndex beside = 0; ///< the point of the line before that it is compared with, when its run has one
-  bool matched = false;  ///< `beside` is a vertex that this one continues
+  bool matched = false; ///< it continues a vertex of the line before
 };
 
 /// Coordinates of a group in steps of its axis scales, and the vertices of the levels coded so far.
 struct GroupState {
   std::array<std::vector<std::int32_t>, 3> u; ///< steps; meaningful where the alpha-width is not above the level being coded
   std::vector<RunAbove> above;                ///< per run
+  std::vector<PointIndex> beside;             ///< of vertices of runs with one above: the point there that is compared with it
   std::vector<PointIndex> known;              ///< vertices of all coarser levels, ascending
   std::vector<Fresh> fresh;                   ///< inner points that the level being coded adds, ascending
   // The coarser vertices and this level's together, run by run as the positions become known.
@@ -46,6 +46,7 @@ struct GroupState {
 
   void reset(std::size_t points) {
     for (auto& axis : u) axis.resize(points);
+    beside.resize(points);
     known.clear();
     fresh.clear();
   }

@@ -87,7 +87,7 @@ void visit_level(const GroupState& s, std::span<const Run> runs, std::size_t axi
         std::size_t w = v + 1;
         while (s.added[w] != 0) ++w;
         right = s.vertices[w];
-        if (above.exists) right_above = curve.at(above, above.beside(right));
+        if (above.exists) right_above = curve.at(above, s.beside[right]);
       }
       const std::int64_t straight = between(u[left], u[right], at.point, left, right);
       LevelGuess guess;
@@ -95,9 +95,9 @@ void visit_level(const GroupState& s, std::span<const Run> runs, std::size_t axi
       guess[1] = u[left];
       std::uint32_t context = kNothingAbove;
       if (above.exists) {
-        const PointIndex l = above.beside(left);
-        const PointIndex b = above.beside(right);
-        const PointIndex i = at.beside;
+        const PointIndex l = s.beside[left];
+        const PointIndex b = s.beside[right];
+        const PointIndex i = s.beside[at.point];
         const std::int64_t here = curve.at(above, i);
         const std::int64_t left_above = curve.at(above, l);
         const std::int64_t bend = l < i && i < b ? here - between(left_above, right_above, i, l, b) : 0;

@@ -83,7 +83,8 @@ public:
       at_ = i;
       const auto point = static_cast<PointIndex>(i);
       const bool matched = event >= kMatched;
-      s_.fresh.push_back({point, matched ? s_.vertices[next_] : above_.exists ? above_.beside(point) : 0, matched});
+      s_.fresh.push_back({point, matched});
+      if (above_.exists) s_.beside[point] = matched ? s_.vertices[next_] : above_.beside(point);
     }
     if (event != kNew) ++next_;
     find();

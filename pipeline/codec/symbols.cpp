@@ -19,11 +19,12 @@ std::uint64_t cost_of_both(const TokenCounts& a, const TokenCounts& b) noexcept 
 
 void SymbolWriter::clear() noexcept {
   symbols_.clear();
-  for (TokenCounts& c : counts_) c.fill(0);
+  for (; used_ != 0; used_ &= used_ - 1) counts_[static_cast<std::size_t>(std::countr_zero(used_))].fill(0);
+  tables_chosen_ = 0;
 }
 
 // Contexts stand in the order of growing residuals. Neighbours share a table where that is cheaper than two tables.
-std::size_t SymbolWriter::choose_tables() {
+void SymbolWriter::choose_tables() {
   struct Span {
     std::size_t end;         // contexts of the table end here
     std::uint64_t cost;      // of the table and its tokens
@@ -31,9 +32,9 @@ std::size_t SymbolWriter::choose_tables() {
   };
   std::array<Span, kMaxContexts> spans;
   std::size_t n = 0;
-  for (std::size_t c = 0; c < kMaxContexts; ++c) {
+  for (std::uint64_t used = used_; used != 0; used &= used - 1) {
+    const auto c = static_cast<std::size_t>(std::countr_zero(used));
     const std::uint64_t cost = coded_cost(counts_[c]);
-    if (cost == 0) continue;
     merged_[n] = counts_[c];
     spans[n++] = {c + 1, cost, 0};
   }
@@ -59,11 +60,13 @@ std::size_t SymbolWriter::choose_tables() {
     if (best + 1 < n) spans[best].with_next = cost_of_both(merged_[best], merged_[best + 1]);
     if (best > 0) spans[best - 1].with_next = cost_of_both(merged_[best - 1], merged_[best]);
   }
+  cost_ = 0;
   std::size_t context = 0;
+  for (std::size_t s = 0; s < n; ++s) cost_ += spans[s].cost;
   for (std::size_t s = 0; s < n; ++s)
     while (context < spans[s].end) table_of_[context++] = static_cast<std::uint8_t>(s);
   while (context < kMaxContexts) table_of_[context++] = static_cast<std::uint8_t>(n - 1);
-  return n;
+  tables_chosen_ = n;
 }
 
 void SymbolWriter::put(std::span<const std::int32_t> values, std::span<const std::uint8_t> contexts) {
@@ -73,15 +76,28 @@ void SymbolWriter::put(std::span<const std::int32_t> values, std::span<const std
   for (std::size_t i = 0; i < values.size(); ++i) {
     const std::uint32_t folded = fold(values[i]);
     const std::uint32_t token = token_of(folded);
+    used_ |= std::uint64_t{1} << contexts[i];
     to[i] = {folded, static_cast<std::uint8_t>(token), contexts[i]};
     ++counts_[contexts[i]][token];
   }
 }
 
+bool SymbolWriter::only_zeros() const noexcept {
+  return std::ranges::all_of(symbols_, [](const Symbol& s) { return s.token == 0; });
+}
+
+std::uint64_t SymbolWriter::estimate() {
+  if (only_zeros()) return 0;
+  choose_tables();
+  std::uint64_t cost = cost_;
+  for (const Symbol& s : symbols_) cost += std::uint64_t{kTokenRanges[s.token].bits} << kLogBits;
+  return cost >> kLogBits;
+}
+
 void SymbolWriter::write(Bytes& to) {
-  bool zero = true;
-  for (const TokenCounts& c : counts_) zero = zero && std::all_of(c.begin() + 1, c.end(), [](auto n) { return n == 0; });
-  const std::size_t tables = zero ? 0 : choose_tables();
+  const bool zero = only_zeros();
+  if (!zero && tables_chosen_ == 0) choose_tables();
+  const std::size_t tables = zero ? 0 : tables_chosen_;
   to.push_back(static_cast<std::byte>(tables));
   if (zero) return;
   std::size_t context = 0;

@@ -19,9 +19,12 @@ public:
     const std::uint32_t token = token_of(folded);
     symbols_.push_back({folded, static_cast<std::uint8_t>(token), static_cast<std::uint8_t>(context)});
     ++counts_[context][token];
+    used_ |= std::uint64_t{1} << context;
   }
   /// Several, one after the other.
   void put(std::span<const std::int32_t> values, std::span<const std::uint8_t> contexts);
+  /// About how many bits write() would take, for a choice between two ways.
+  [[nodiscard]] std::uint64_t estimate();
   /// Appends the values put since clear().
   void write(Bytes& to);
 
@@ -30,11 +33,15 @@ private:
     std::uint32_t folded;
     std::uint8_t token, context;
   };
-  std::size_t choose_tables();
+  void choose_tables();
+  [[nodiscard]] bool only_zeros() const noexcept;
   void write_symbols(Bytes& to);
 
   std::vector<Symbol> symbols_;
   std::array<TokenCounts, kMaxContexts> counts_{};
+  std::uint64_t used_ = 0;                            ///< contexts that have counts
+  std::size_t tables_chosen_ = 0;                     ///< 0: not yet
+  std::uint64_t cost_ = 0;                            ///< of tables and tokens
   std::array<std::uint8_t, kMaxContexts> table_of_{}; ///< by context
   std::array<TokenCounts, kMaxContexts> merged_{};
   std::array<RansEncodeTable, kMaxTables> tables_{};

@@ -192,12 +192,13 @@ class Header:
 
 
 class Run:
-    """Points first .. last of the group; `knots` are those known so far, ascending; `new` the knots of the level at hand."""
+    """Points first .. last of the group; `knots` are those known so far, ascending; `new` the knots of the level at hand;
+    `went_on` says for knots that go on from a vertex of the run above from which."""
 
     def __init__(self, first, count, sample):
         self.first, self.last, self.sample = first, first + count - 1, sample
         self.knots, self.new = sorted({self.first, self.last}), set()
-        self.above, self.shift = None, 0
+        self.above, self.shift, self.went_on = None, 0, {}
 
     def __len__(self):
         return self.last - self.first + 1
@@ -448,6 +449,7 @@ class Group:
                 need(at < i < b, f"{coded.where}: a point outside its segment")
                 at = i
         run.new = set(new)
+        run.went_on.update((i, j) for i, j in new.items() if j is not None)
         run.knots = sorted([*old, *new])
         self.coarser[run.first] = old
         return new
@@ -462,10 +464,8 @@ class Group:
             guess, context = (u[left] if mode == 1 else straight), 1
             if curve:
                 start = run.above.first
-                a, b, at = (run.beside(j) - start for j in (left, right, i))
+                a, b, at = (run.went_on.get(j, run.beside(j)) - start for j in (left, right, i))
                 goes_on = points[i] is not None
-                if goes_on:
-                    at = points[i] - start
                 bend = curve[at] - on_line(curve, a, b, at) if a < at < b else 0
                 context = 2 + min(19, abs(bend).bit_length()) + (20 if goes_on else 0)
                 guess = (straight, u[left], straight + bend, u[left] + curve[at] - curve[a])[mode]
