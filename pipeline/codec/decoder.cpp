@@ -217,7 +217,8 @@ Result<void> GroupDecoder::begin(ByteView lines_payload, DecodedGroup& out) {
   out.width.assign(header.points, DecodedGroup::kUnknown);
   out.levels = header.levels;
   out.known_levels = 0;
-  out.alpha = AlphaSet{.tolerances = {}, .epoch = header.epoch};
+  out.alpha.tolerances.clear();
+  out.alpha.epoch = header.epoch;
   out.left_out = header.left_out;
   return success();
 }

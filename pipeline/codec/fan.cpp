@@ -108,39 +108,41 @@ bool FanFinder::fit(std::span<const std::int32_t> x, std::span<const std::int32_
   return 4 * right >= 3 * x.size();
 }
 
+// Directions that follow each other at equal angles satisfy next = 2 cos(angle) * this - before: the median says the angle.
+void FanFinder::find_turn(Fan& fan) {
+  turns_.clear();
+  for (std::size_t d = 1; d + 1 < fan.directions.size(); ++d) {
+    const auto part = [&](std::size_t k, std::size_t p) { return static_cast<double>(fan.directions[k][p]); };
+    const double dot = part(d, 0) * (part(d - 1, 0) + part(d + 1, 0)) + part(d, 1) * (part(d - 1, 1) + part(d + 1, 1));
+    const double square = part(d, 0) * part(d, 0) + part(d, 1) * part(d, 1);
+    turns_.push_back(square > 0 ? dot / square : 2.0);
+  }
+  const auto middle = turns_.begin() + static_cast<std::ptrdiff_t>(turns_.size() / 2);
+  std::ranges::nth_element(turns_, middle);
+  fan.turn = std::llround(std::clamp(*middle, -2.0, 2.0) * static_cast<double>(1U << kTurnBits));
+}
+
 void FanFinder::find(std::span<const std::int32_t> x, std::span<const std::int32_t> y, Fan& fan) {
   fan.clear();
   if (x.size() < kLeastPoints) return;
   step_ = range_step(x, y);
-  if (step_ == 0 || !sort_out(x, y) || !fit(x, y, fan)) fan.clear();
+  if (step_ == 0 || !sort_out(x, y) || !fit(x, y, fan))
+    fan.clear();
+  else
+    find_turn(fan);
 }
 
 void write_fan(const Fan& fan, Bytes& to) {
   to.push_back(static_cast<std::byte>(fan.range_axis | fan.direction_axis << 2U));
   to.push_back(static_cast<std::byte>(fan.shift));
   put_varint(to, fan.directions.size());
-  // Directions that follow each other at equal angles satisfy next = 2 cos(angle) * this - before: the median says the angle.
-  std::vector<double> turns;
-  for (std::size_t d = 1; d + 1 < fan.directions.size(); ++d) {
-    const auto part = [&](std::size_t k, std::size_t p) { return static_cast<double>(fan.directions[k][p]); };
-    const double dot = part(d, 0) * (part(d - 1, 0) + part(d + 1, 0)) + part(d, 1) * (part(d - 1, 1) + part(d + 1, 1));
-    const double square = part(d, 0) * part(d, 0) + part(d, 1) * part(d, 1);
-    turns.push_back(square > 0 ? dot / square : 2.0);
-  }
-  double turn = 2.0;
-  if (!turns.empty()) {
-    const auto middle = turns.begin() + static_cast<std::ptrdiff_t>(turns.size() / 2);
-    std::ranges::nth_element(turns, middle);
-    turn = *middle;
-  }
-  const std::int64_t fixed = std::llround(std::clamp(turn, -2.0, 2.0) * static_cast<double>(1U << kTurnBits));
-  put_signed(to, fixed);
+  put_signed(to, fan.turn);
   std::array<std::int64_t, 2> before{};
   std::array<std::int64_t, 2> two_before{};
   for (const auto& d : fan.directions) {
     for (const std::size_t part : {0U, 1U})
       put_signed(to, static_cast<std::int64_t>(static_cast<std::uint64_t>(d[part]) -
-                                               static_cast<std::uint64_t>(predict(fixed, before[part], two_before[part]))));
+                                               static_cast<std::uint64_t>(predict(fan.turn, before[part], two_before[part]))));
     two_before = before;
     before = d;
   }
@@ -152,7 +154,7 @@ Result<void> read_fan(ByteReader& from, std::size_t limit, Fan& fan) {
   fan.direction_axis = axes >> 2U;
   fan.shift = from.byte();
   const std::uint64_t count = from.varint();
-  const std::int64_t fixed = from.signed_varint();
+  fan.turn = from.signed_varint();
   if (!from.ok() || fan.range_axis > 2 || fan.direction_axis > 2 || fan.range_axis == fan.direction_axis ||
       fan.shift > kMaxShift || count == 0 || count > limit)
     return fail(Errc::damaged, "the line table has an impossible fan");
@@ -162,7 +164,7 @@ Result<void> read_fan(ByteReader& from, std::size_t limit, Fan& fan) {
   for (auto& d : fan.directions) {
     for (const std::size_t part : {0U, 1U})
       d[part] = static_cast<std::int64_t>(static_cast<std::uint64_t>(from.signed_varint()) +
-                                          static_cast<std::uint64_t>(predict(fixed, before[part], two_before[part])));
+                                          static_cast<std::uint64_t>(predict(fan.turn, before[part], two_before[part])));
     two_before = before;
     before = d;
   }

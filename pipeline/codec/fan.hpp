@@ -16,6 +16,7 @@ struct Fan {
   std::size_t range_axis = 0;     ///< the axis that holds ranges; its coordinate comes from the first part of a direction
   std::size_t direction_axis = 1; ///< the axis that holds indexes of directions
   unsigned shift = 0;
+  std::int64_t turn = 0;                               ///< 2^31 times the cosine of the usual angle between directions
   std::vector<std::array<std::int64_t, 2>> directions; ///< counts a range step, in units of 2^-shift
 
   [[nodiscard]] bool empty() const noexcept { return directions.empty(); }
@@ -46,7 +47,10 @@ private:
   [[nodiscard]] bool sort_out(std::span<const std::int32_t> x, std::span<const std::int32_t> y);
   [[nodiscard]] bool fit(std::span<const std::int32_t> x, std::span<const std::int32_t> y, Fan& fan);
 
+  void find_turn(Fan& fan);
+
   double step_ = 0; ///< counts a range step
+  std::vector<double> turns_;
   std::vector<Point> points_;
   std::vector<std::uint32_t> starts_; ///< of the directions in points_, and the end
 };

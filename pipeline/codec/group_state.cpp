@@ -9,13 +9,7 @@
 namespace scansion {
 namespace {
 
-// A run with its place in the line, in samples.
-struct Place {
-  const Run* run;
-  std::int64_t first_sample;
-};
-
-void places_of(std::span<const Run> runs, std::vector<Place>& out) {
+void places_of(std::span<const Run> runs, std::vector<RunPlace>& out) {
   out.clear();
   std::int64_t sample = 0;
   for (const Run& run : runs) {
@@ -25,7 +19,8 @@ void places_of(std::span<const Run> runs, std::vector<Place>& out) {
   }
 }
 
-std::int64_t shift_between(const Place& here, const Place& above, const AxisScales& scales, const GroupState& state) noexcept {
+std::int64_t shift_between(const RunPlace& here, const RunPlace& above, const AxisScales& scales,
+                           const GroupState& state) noexcept {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (!scales[axis].even) continue;
     const auto& u = state.u[axis];
@@ -61,8 +56,9 @@ void GroupState::end_run(const Run& run, std::size_t& f, std::size_t& k) {
 }
 
 void align_runs(const LineGroup& group, const AxisScales& scales, GroupState& state) {
-  std::vector<Place> here;
-  std::vector<Place> above;
+  std::vector<RunPlace>& here = state.places_here;
+  std::vector<RunPlace>& above = state.places_above;
+  above.clear();
   std::uint32_t above_run = 0;
   state.above.assign(group.runs.size(), {});
   for (const ScanLine& line : group.lines) {

@@ -26,6 +26,12 @@ struct RunAbove {
   }
 };
 
+/// A run with its place in the line, in samples.
+struct RunPlace {
+  const Run* run = nullptr;
+  std::int64_t first_sample = 0;
+};
+
 /// A point that a level adds.
 struct Fresh {
   PointIndex point = 0;
@@ -39,6 +45,7 @@ struct GroupState {
   std::vector<PointIndex> beside;             ///< of vertices of runs with one above: the point there that is compared with it
   std::vector<PointIndex> known;              ///< vertices of all coarser levels, ascending
   std::vector<Fresh> fresh;                   ///< inner points that the level being coded adds, ascending
+  std::vector<RunPlace> places_here, places_above; ///< scratch of align_runs()
   // The coarser vertices and this level's together, run by run as the positions become known.
   std::vector<PointIndex> vertices;        ///< ascending
   std::vector<std::uint8_t> added;         ///< beside each: 1 when this level adds it
