@@ -111,7 +111,14 @@ void GroupEncoder::Impl::find_fan(const LineGroup& group) {
   std::int64_t least = std::numeric_limits<std::int64_t>::max();
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (!scales[axis].even || group.points() == 0) continue;
-    const auto [low, high] = std::ranges::minmax(group.xyz[axis]);
+    // An even axis has its extremes at the ends of runs.
+    std::int32_t low = std::numeric_limits<std::int32_t>::max();
+    std::int32_t high = std::numeric_limits<std::int32_t>::min();
+    for (const Run& run : group.runs)
+      for (const std::int32_t v : {group.xyz[axis][run.first], group.xyz[axis][run.first + run.count - 1]}) {
+        low = std::min(low, v);
+        high = std::max(high, v);
+      }
     if (std::int64_t{high} - low >= least) continue;
     least = std::int64_t{high} - low;
     even = axis;

@@ -3,6 +3,7 @@
 #include "pipeline/codec/fit.hpp"
 
 #include "pipeline/codec/frequencies.hpp"
+#include "pipeline/codec/kernels.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -55,7 +56,7 @@ WeightFit::Normal WeightFit::normal_of(const Weights* w) const noexcept {
   const std::size_t stride = w != nullptr ? 2 : 1;
   for (std::size_t row = 0; row < rows_.size(); row += stride) {
     const Sample& s = rows_[row];
-    std::array<double, kWeights + 1> x;
+    std::array<double, kColumns> x{};
     double size = std::abs(static_cast<double>(s.target));
     for (std::size_t i = 0; i < kWeights; ++i) {
       x[i] = s.deviations[i];
@@ -70,12 +71,7 @@ WeightFit::Normal WeightFit::normal_of(const Weights* w) const noexcept {
       const double r = static_cast<double>(wrap(s.target - (guess >> kWeightBits)));
       importance = 1.0 / (r * r / 2 + size * size / 2 + 30.0);
     }
-    // The lower half and the right side are all that is needed.
-    for (std::size_t i = 0; i < kWeights; ++i) {
-      const double xi = x[i] * importance;
-      for (std::size_t j = 0; j <= i; ++j) normal[i][j] += xi * x[j];
-      normal[i][kWeights] += xi * x[kWeights];
-    }
+    kernels::add_products(x.data(), importance, normal[0].data(), kWeights);
   }
   return normal;
 }

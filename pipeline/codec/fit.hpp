@@ -21,7 +21,8 @@ private:
     Row deviations;
     std::int32_t target;
   };
-  using Normal = std::array<std::array<double, kWeights + 1>, kWeights>; // lower half; the last column: the right side
+  static constexpr std::size_t kColumns = 16; // the weights, the right side, nothing
+  using Normal = std::array<std::array<double, kColumns>, kWeights>;
   [[nodiscard]] Normal normal_of(const Weights* first) const noexcept;
   [[nodiscard]] Weights solve(Normal normal, std::size_t count) const noexcept;
   [[nodiscard]] std::uint64_t cost(const Weights& weights) const noexcept;

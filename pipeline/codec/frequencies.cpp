@@ -5,6 +5,7 @@
 #include "pipeline/codec/varint.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 
 namespace scansion {
 namespace {
@@ -77,10 +78,9 @@ std::uint8_t class_of(std::uint64_t scaled) noexcept {
   return static_cast<std::uint8_t>(std::min<std::uint64_t>(kMaxClass, 4 * octave + ((scaled >> octave) & 3U) + 1));
 }
 
-// Of each token a few classes: none, those around the one that its count and its neighbours' ask for, those around its own.
+// Of each token a few classes: none, those around the one that its count and its neighbours' ask for, its own.
 constexpr int kAround = 2;
-constexpr int kNear = 0;
-constexpr std::size_t kChoices = 1 + (2 * kAround + 1) + (2 * kNear + 1);
+constexpr std::size_t kChoices = 1 + (2 * kAround + 1) + 1;
 
 struct Choice {
   std::uint8_t k;
@@ -96,12 +96,12 @@ constexpr auto kWeightLogs = [] {
   return logs;
 }();
 
-// Bits of the gamma code of a step from class to class.
+// Bits of the gamma code of a step to a class, from a class.
 constexpr auto kStepBits = [] {
   std::array<std::array<std::uint8_t, kMaxClass + 1>, kMaxClass + 1> bits{};
   for (int from = 0; from <= kMaxClass; ++from)
     for (int to = 0; to <= kMaxClass; ++to)
-      bits[static_cast<std::size_t>(from)][static_cast<std::size_t>(to)] =
+      bits[static_cast<std::size_t>(to)][static_cast<std::size_t>(from)] =
           static_cast<std::uint8_t>(2 * std::bit_width(fold(to - from) + 1) - 1);
   return bits;
 }();
@@ -137,33 +137,37 @@ Classes classes_of(const TokenCounts& counts) noexcept {
     };
     return n(2, 0) + 2 * n(1, 0) + 3 * n(0, 0) + 2 * n(0, 1) + n(0, 2);
   };
-  for (std::size_t t = 0; t < used; ++t) {
-    const int middle = class_of(smooth(t) * kTopWeight / (9 * top));
-    const int exact = class_of(counts[t] * kTopWeight / top);
-    for (std::size_t c = 0; c < kChoices; ++c) {
-      Choice& choice = steps[t][c];
-      const int at = static_cast<int>(c) - 1 - kAround;
-      const int k = c == 0 ? 0 : at <= kAround ? middle + at : exact + at - (kAround + 1 + kNear); // -kNear to kNear
-      choice.k = static_cast<std::uint8_t>(std::clamp<int>(k, c == 0 ? 0 : 1, kMaxClass));
-      choice.before = 0;
-      if (choice.k == 0 && counts[t] != 0) {
-        choice.cost = ~std::uint64_t{0} >> 8U;
-        continue;
+  // Quotients by the same numbers, as products; 32 and 10 bits keep all of what matters.
+  const std::uint64_t to_weight = (kTopWeight << 32U) / (9 * top);
+  const std::uint64_t others = (sum * kPerNat << 10U) / total;
+  constexpr std::uint64_t kNever = ~std::uint64_t{0} >> 8U;
+  const auto consider = [&](std::size_t t, std::size_t c, int k) {
+    Choice& choice = steps[t][c];
+    choice.k = static_cast<std::uint8_t>(k);
+    choice.before = 0;
+    const auto& step_bits = kStepBits[choice.k];
+    std::uint64_t least = std::uint64_t{step_bits[kMaxClass]} << kLogBits;
+    if (t > 0) {
+      least = kNever;
+      for (std::uint8_t b = 0; b < kChoices; ++b) {
+        const Choice& from = steps[t - 1][b];
+        const std::uint64_t cost = from.cost + (std::uint64_t{step_bits[from.k]} << kLogBits);
+        choice.before = cost < least ? b : choice.before;
+        least = std::min(least, cost);
       }
-      // Less weight makes the token itself dear, more weight all others.
-      constexpr std::uint64_t kMostLog = kWeightLogs[kMaxClass];
-      const std::uint64_t own = counts[t] * (kMostLog - kWeightLogs[choice.k]) + sum * weight(choice.k) * kPerNat / total;
-      std::uint64_t least = ~std::uint64_t{0};
-      for (std::uint8_t b = 0; b < (t == 0 ? 1 : kChoices); ++b) {
-        const std::uint8_t from = t == 0 ? kMaxClass : steps[t - 1][b].k;
-        const std::uint64_t cost = (t == 0 ? 0 : steps[t - 1][b].cost) + (std::uint64_t{kStepBits[from][choice.k]} << kLogBits);
-        if (cost < least) {
-          least = cost;
-          choice.before = b;
-        }
-      }
-      choice.cost = least + own;
     }
+    // Less weight makes the token itself dear, more weight all others.
+    choice.cost =
+        least + counts[t] * std::uint64_t{kWeightLogs[kMaxClass] - kWeightLogs[choice.k]} + (weight(choice.k) * others >> 10U);
+  };
+  for (std::size_t t = 0; t < used; ++t) {
+    const int middle = class_of(smooth(t) * to_weight >> 32U);
+    const int exact = class_of(9 * counts[t] * to_weight >> 32U);
+    for (Choice& choice : steps[t]) choice = {0, 0, kNever};
+    std::size_t c = 0;
+    if (counts[t] == 0) consider(t, c++, 0);
+    for (int k = std::max(1, middle - kAround); k <= std::min<int>(kMaxClass, middle + kAround); ++k) consider(t, c++, k);
+    if (std::abs(exact - middle) > kAround) consider(t, c, exact);
   }
   std::size_t best = 0;
   for (std::size_t c = 1; c < kChoices; ++c)

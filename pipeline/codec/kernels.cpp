@@ -3,7 +3,9 @@
 #include "pipeline/codec/kernels.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
+#include <cstring>
 
 namespace scansion::kernels {
 namespace {
@@ -60,7 +62,28 @@ SCANSION_INLINE void contexts_body(const std::int32_t* __restrict size, const st
   }
 }
 
+// Four at a time by hand: left alone, GCC 12 unrolls this loop into single numbers.
+SCANSION_INLINE void add_products_body(const double* x, double factor, double* normal, std::size_t rows) noexcept {
+  using Four = double __attribute__((vector_size(32)));
+  std::array<Four, 4> right;
+  std::memcpy(right.data(), x, sizeof right);
+  for (std::size_t i = 0; i < rows; ++i) {
+    const double xi = x[i] * factor;
+    for (std::size_t j = 0; j < right.size(); ++j) {
+      double* at = normal + 16 * i + 4 * j;
+      Four sum;
+      std::memcpy(&sum, at, sizeof sum);
+      sum += right[j] * xi;
+      std::memcpy(at, &sum, sizeof sum);
+    }
+  }
+}
+
 #if defined(__x86_64__)
+__attribute__((target("avx2"))) void add_products_avx2(const double* x, double factor, double* normal,
+                                                       std::size_t rows) noexcept {
+  add_products_body(x, factor, normal, rows);
+}
 __attribute__((target("avx2"))) void weigh_above_avx2(const std::int16_t* w, const Above& above, const std::int32_t* chord,
                                                       std::int64_t* sum, std::int32_t* size, std::size_t n) noexcept {
   weigh_above_body(w, above, chord, sum, size, n);
@@ -81,6 +104,7 @@ bool has_avx2() noexcept {
 bool has_avx2() noexcept {
   return false;
 }
+constexpr auto add_products_avx2 = add_products_body;
 constexpr auto weigh_above_avx2 = weigh_above_body;
 constexpr auto residuals_avx2 = residuals_body;
 constexpr auto contexts_avx2 = contexts_body;
@@ -99,6 +123,13 @@ void portable::residuals(const std::int16_t* weights, const std::int32_t* deviat
 void portable::contexts(const std::int32_t* size, const std::int32_t* above, bool has_above, std::uint8_t* context,
                         std::size_t n) noexcept {
   contexts_body(size, above, has_above, context, n);
+}
+
+void add_products(const double* x, double factor, double* normal, std::size_t rows) noexcept {
+  if (has_avx2())
+    add_products_avx2(x, factor, normal, rows);
+  else
+    add_products_body(x, factor, normal, rows);
 }
 
 void subtract(const std::int32_t* __restrict a, const std::int32_t* __restrict b, std::int32_t* __restrict to,

@@ -31,6 +31,9 @@ void weigh_above(const std::int16_t* weights, const Above& above, const std::int
 void residuals(const std::int16_t* weights, const std::int32_t* deviation, const std::int64_t* sum, std::int32_t* residual,
                std::size_t n) noexcept;
 
+/// normal[i][j] += x[i] * factor * x[j] for `rows` rows of 16. Multiplies and adds apart, so every machine rounds alike.
+void add_products(const double* x, double factor, double* normal, std::size_t rows) noexcept;
+
 /// size[i] = min(|residual[i]|, limit).
 void sizes(const std::int32_t* residual, std::uint32_t limit, std::int32_t* size, std::size_t n) noexcept;
 
