@@ -205,7 +205,9 @@ Result<void> GroupDecoder::begin(ByteView lines_payload, DecodedGroup& out) {
   constexpr std::size_t kMaxLineBytes = 96;
   constexpr std::size_t kMaxRunBytes = 10;
   constexpr std::size_t kMaxDirectionBytes = 20;
-  const std::size_t limit = 128 + header.line_count * kMaxLineBytes + header.points * (kMaxRunBytes + kMaxDirectionBytes);
+  const std::size_t directions = std::min<std::size_t>(header.points, kMaxDirections);
+  const std::size_t limit =
+      128 + header.line_count * kMaxLineBytes + header.points * kMaxRunBytes + directions * kMaxDirectionBytes;
   ByteReader from(lines_payload.subspan(kPayloadHeaderSize, header.body_size));
   SCANSION_TRY(s.planes.get_blob(from, limit, s.table));
   if (!from.at_end()) return fail(Errc::damaged, "bytes follow the line table");

@@ -62,7 +62,7 @@ bool FanFinder::sort_out(std::span<const std::int32_t> x, std::span<const std::i
     if (points_[p].turn - points_[p - 1].turn > kCounts / std::min(points_[p].size, points_[p - 1].size)) starts_.push_back(p);
   const std::size_t count = starts_.size();
   starts_.push_back(static_cast<std::uint32_t>(points_.size()));
-  return count >= kLeastDirections && count * 8 <= points_.size();
+  return count >= kLeastDirections && count <= kMaxDirections && count * 8 <= points_.size();
 }
 
 // For each direction the vector of one range step that makes all its points come out right, if there is one.
@@ -156,7 +156,7 @@ Result<void> read_fan(ByteReader& from, std::size_t limit, Fan& fan) {
   const std::uint64_t count = from.varint();
   fan.turn = from.signed_varint();
   if (!from.ok() || fan.range_axis > 2 || fan.direction_axis > 2 || fan.range_axis == fan.direction_axis ||
-      fan.shift > kMaxShift || count == 0 || count > limit)
+      fan.shift > kMaxShift || count == 0 || count > std::min(limit, kMaxDirections))
     return fail(Errc::damaged, "the line table has an impossible fan");
   fan.directions.resize(static_cast<std::size_t>(count));
   std::array<std::int64_t, 2> before{};

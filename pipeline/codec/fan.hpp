@@ -12,6 +12,8 @@
 
 namespace scansion {
 
+inline constexpr std::size_t kMaxDirections = 1U << 16U;
+
 struct Fan {
   std::size_t range_axis = 0;     ///< the axis that holds ranges; its coordinate comes from the first part of a direction
   std::size_t direction_axis = 1; ///< the axis that holds indexes of directions

@@ -246,7 +246,7 @@ class Fan:
     def __init__(self, table, limit):
         axes, self.shift, count, turn = table.byte(), table.byte(), table.varint(), table.signed()
         self.axes = (axes & 3, axes >> 2)
-        need(max(self.axes) <= 2 and self.axes[0] != self.axes[1] and self.shift <= 30 and 1 <= count <= limit,
+        need(max(self.axes) <= 2 and self.axes[0] != self.axes[1] and self.shift <= 30 and 1 <= count <= min(limit, 65536),
              f"{table.where}: a fan of axes {self.axes}, shift {self.shift}, {count} directions")
         self.directions = [(0, 0), (0, 0)]
         for _ in range(count):
