@@ -227,7 +227,7 @@ void GroupEncoder::Impl::write_rest_axis(const LineGroup& group, std::size_t axi
   const auto& u = state.u[axis];
   RestAxis& at = rest_axes[axis];
   kernels::subtract(u.data(), at.chord.data(), at.deviation.data(), u.size());
-  const std::size_t stride = std::max<std::size_t>(1, u.size() / kSample);
+  const std::size_t stride = std::max<std::size_t>(6, u.size() / kSample);
   PointIndex sample = 0;
   fit.clear();
   visit_rest(group, state.known, neighbours, [&](const RestLine& line, PointIndex run_first, PointIndex from, PointIndex end) {

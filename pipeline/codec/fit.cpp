@@ -9,6 +9,15 @@
 #include <cmath>
 
 namespace scansion {
+namespace {
+
+std::int64_t guess(const Weights& weights, const WeightFit::Row& deviations) noexcept {
+  std::int64_t sum = std::int64_t{1} << (kWeightBits - 1);
+  for (std::size_t k = 0; k < kWeights; ++k) sum += std::int64_t{weights[k]} * deviations[k];
+  return sum >> kWeightBits;
+}
+
+} // namespace
 
 Weights WeightFit::solve(Normal l, std::size_t count) const noexcept {
   // Cholesky with a small ridge: neighbours that never differ from their chord get weight 0.
@@ -43,41 +52,50 @@ Weights WeightFit::solve(Normal l, std::size_t count) const noexcept {
 std::uint64_t WeightFit::cost(const Weights& weights) const noexcept {
   std::uint64_t sum = 0;
   for (const Sample& s : rows_) {
-    std::int64_t guess = std::int64_t{1} << (kWeightBits - 1);
-    for (std::size_t k = 0; k < kWeights; ++k) guess += std::int64_t{weights[k]} * s.deviations[k];
-    sum += log2_fixed(2 * static_cast<std::uint32_t>(size_of(wrap(s.target - (guess >> kWeightBits)))) + 1);
+    sum += log2_fixed(2 * static_cast<std::uint32_t>(size_of(wrap(s.target - guess(weights, s.deviations)))) + 1);
   }
   return sum;
 }
 
-WeightFit::Normal WeightFit::normal_of(const Weights* w) const noexcept {
-  // Each row counts by the inverse square of its own size: edges, where nothing can be predicted, must not decide.
+// Each row counts by the inverse square of its own size: edges, where nothing can be predicted, must not decide. What is
+// smaller than usual counts like the usual: there rounding decides.
+void WeightFit::measure() {
+  sizes_.clear();
+  for (const Sample& s : rows_) {
+    double size = std::abs(static_cast<double>(s.target));
+    for (const std::int32_t d : s.deviations) size += std::abs(static_cast<double>(d));
+    sizes_.push_back(size / (kWeights + 1));
+  }
+  usual_.assign(sizes_.begin(), sizes_.end());
+  const auto middle = usual_.begin() + static_cast<std::ptrdiff_t>(usual_.size() / 2);
+  std::ranges::nth_element(usual_, middle);
+  constexpr double kShare = 0.3;
+  floor_ = kShare * *middle * *middle + 1.0;
+}
+
+// With weights at hand a row counts by what they leave of it, too.
+WeightFit::Normal WeightFit::normal_of(const Weights* first) const noexcept {
   Normal normal{};
-  const std::size_t stride = w != nullptr ? 2 : 1;
+  const std::size_t stride = first != nullptr ? 2 : 1;
   for (std::size_t row = 0; row < rows_.size(); row += stride) {
     const Sample& s = rows_[row];
     std::array<double, kColumns> x{};
-    double size = std::abs(static_cast<double>(s.target));
-    for (std::size_t i = 0; i < kWeights; ++i) {
-      x[i] = s.deviations[i];
-      size += std::abs(x[i]);
-    }
+    std::ranges::copy(s.deviations, x.begin());
     x[kWeights] = s.target;
-    size /= kWeights + 1;
-    double importance = 1.0 / (size * size + 30.0);
-    if (w != nullptr) {
-      std::int64_t guess = 2048;
-      for (std::size_t k = 0; k < kWeights; ++k) guess += std::int64_t{(*w)[k]} * s.deviations[k];
-      const double r = static_cast<double>(wrap(s.target - (guess >> kWeightBits)));
-      importance = 1.0 / (r * r / 2 + size * size / 2 + 30.0);
+    double square = sizes_[row] * sizes_[row];
+    if (first != nullptr) {
+      const double left = wrap(s.target - guess(*first, s.deviations));
+      square = (square + left * left) / 2;
     }
-    kernels::add_products(x.data(), importance, normal[0].data(), kWeights);
+    kernels::add_products(x.data(), 1.0 / (square + floor_), normal[0].data(), kWeights);
   }
   return normal;
 }
 
-Weights WeightFit::solve() const noexcept {
-  Normal normal = normal_of(nullptr);
+Weights WeightFit::solve() {
+  if (rows_.empty()) return {};
+  measure();
+  const Normal normal = normal_of(nullptr);
   const Weights all = solve(normal, kWeights);
   const Weights without = solve(normal, kLeft + kBeside);
   const bool more = cost(all) < cost(without);

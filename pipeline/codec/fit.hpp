@@ -14,7 +14,7 @@ public:
   void clear() noexcept { rows_.clear(); }
   void add(const Row& deviations, std::int32_t target) { rows_.push_back({deviations, target}); }
   /// Tries the weights with and without the points beside against the chord here.
-  [[nodiscard]] Weights solve() const noexcept;
+  [[nodiscard]] Weights solve();
 
 private:
   struct Sample {
@@ -23,10 +23,14 @@ private:
   };
   static constexpr std::size_t kColumns = 16; // the weights, the right side, nothing
   using Normal = std::array<std::array<double, kColumns>, kWeights>;
+  void measure();
   [[nodiscard]] Normal normal_of(const Weights* first) const noexcept;
   [[nodiscard]] Weights solve(Normal normal, std::size_t count) const noexcept;
   [[nodiscard]] std::uint64_t cost(const Weights& weights) const noexcept;
   std::vector<Sample> rows_;
+  std::vector<double> sizes_; ///< mean size of what stands in each row
+  std::vector<double> usual_;
+  double floor_ = 1.0;
 };
 
 } // namespace scansion
