@@ -8,6 +8,6 @@ find_package(spdlog REQUIRED)                                # the daemon's log
 find_package(fmt REQUIRED)                                   # spdlog's formatter
 find_path(CLI11_INCLUDE_DIR CLI/CLI.hpp REQUIRED)            # command lines
 find_path(TOMLPP_INCLUDE_DIR toml++/toml.h REQUIRED)         # the daemon's configuration
-pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)     # residual planes of the codec
+pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)     # blobs and repeating planes of the codec
 pkg_check_modules(ARCHIVE REQUIRED IMPORTED_TARGET libarchive) # tar, xz, gz, zst inputs
 pkg_check_modules(SYSTEMD REQUIRED IMPORTED_TARGET libsystemd) # READY, STOPPING, WATCHDOG

@@ -2,30 +2,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/codec/codec.hpp"
 #include "pipeline/codec/fit.hpp"
-#include "pipeline/codec/level_coder.hpp"
+#include "pipeline/codec/kernels.hpp"
+#include "pipeline/codec/level_values.hpp"
 #include "pipeline/codec/planes.hpp"
 #include "pipeline/codec/positions.hpp"
 #include "pipeline/codec/rest_coder.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 namespace scansion {
 namespace {
-
-using Residuals = std::vector<std::int64_t>;
-
-// Roughly what a residual costs in bits.
-std::uint64_t cost(std::int64_t residual) noexcept {
-  return static_cast<std::uint64_t>(std::bit_width(zigzag(residual)));
-}
-
-std::uint64_t cost(const Residuals& residuals) noexcept {
-  std::uint64_t sum = 0;
-  for (const std::int64_t r : residuals) sum += cost(r);
-  return sum;
-}
 
 // The axis along which lines run: where first and last points of runs lie farthest apart.
 std::size_t main_axis(const LineGroup& group) noexcept {
@@ -49,125 +36,276 @@ std::uint64_t log_time_ns(const ScanLine& line) noexcept {
 struct GroupEncoder::Impl {
   GroupState state;
   PlaneWriter planes;
-  AxisScales scales;
+  SymbolWriter symbols;
+  GroupFacts facts;
+  AxisScales& scales = facts.scales;
+  FanFinder fans;
   Bytes table;
-  std::vector<std::uint8_t> width;
-  std::array<Residuals, std::max(kLevelModes, kRestModes)> trial;
-  Residuals residuals;
+  std::array<std::vector<PointIndex>, kMaxLevels> level_points;
+  std::array<double, kMaxLevels + 1> farthest{}; // per alpha-width: the largest finite D
+  std::vector<std::int32_t> ends;
+  struct Trial {
+    std::array<std::int32_t, kLevelModes> residual;
+    std::uint32_t context;
+  };
+  std::vector<Trial> trial;
+  Neighbours neighbours;
+  std::array<RestAxis, 3> rest_axes;
+  WeightFit fit;
+  std::vector<std::int32_t> rest_residuals;
+  std::vector<std::uint8_t> rest_contexts;
+  std::vector<std::int64_t> leftovers;
+  Bytes plain; ///< an axis of the rest as planes
 
+  void sort_levels(const LineGroup& group, const GroupRanks& ranks, const AlphaSet& alpha);
   void load(const LineGroup& group);
+  void find_fan(const LineGroup& group);
+  [[nodiscard]] std::int64_t remainder(const LineGroup& group, std::size_t axis, PointIndex i) const noexcept;
+  void write_even_ends(const LineGroup& group, Bytes& to);
+  void write_level_positions(const LineGroup& group, std::span<const PointIndex> points, Bytes& to);
   void write_level(const LineGroup& group, std::uint8_t level, Bytes& to);
   void write_rest(const LineGroup& group, Bytes& to);
-  void write_leftovers(const LineGroup& group, Bytes& to);
-  void put_best(std::size_t modes, Bytes& to);
-  struct RestChoice {
-    RestMode mode;
-    Weights weights;
-  };
-  std::array<RestChoice, 3> choose_rest(const LineGroup& group, std::size_t along);
+  void write_rest_axis(const LineGroup& group, std::size_t axis, Bytes& to);
+  [[nodiscard]] bool write_plain_axis(const LineGroup& group, std::size_t axis, std::size_t fitted_size);
+  void write_leftovers(const LineGroup& group, bool rest, bool coarsest, Bytes& to);
+  template <class Visit>
+  void visit_new(const LineGroup& group, bool rest, bool coarsest, Visit&& visit);
 };
+
+// Which level each point is of.
+void GroupEncoder::Impl::sort_levels(const LineGroup& group, const GroupRanks& ranks, const AlphaSet& alpha) {
+  const std::size_t levels = alpha.tolerances.size();
+  for (auto& points : level_points) points.clear();
+  farthest.fill(0.0);
+  const double finest = alpha.tolerances.back();
+  double rest = 0.0;
+  for (const Run& run : group.runs)
+    for (PointIndex i = run.first + 1; i + 1 < run.first + run.count; ++i) {
+      const double d = ranks.distance[i];
+      if (d > finest) {
+        const std::size_t k = alpha.width(d);
+        level_points[k].push_back(i);
+        farthest[k] = std::max(farthest[k], d);
+      } else {
+        rest = std::max(rest, d);
+      }
+    }
+  farthest[levels] = rest;
+}
 
 void GroupEncoder::Impl::load(const LineGroup& group) {
   state.reset(group.points());
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto& v = group.xyz[axis];
-    const AxisScale& scale = scales[axis] = find_scale(v);
-    auto& u = state.u[axis];
-    for (std::size_t i = 0; i < v.size(); ++i)
-      u[i] = static_cast<std::int32_t>(scale.step == 1 ? std::int64_t{v[i]} - scale.base : scale.steps(v[i]));
+    scales[axis] = find_scale(group.xyz[axis], group.runs, ends);
+    to_steps(group.xyz[axis], scales[axis], state.u[axis]);
+  }
+  facts.exact = !group.ulp[0].empty();
+  find_fan(group);
+}
+
+// A fan lies in a plane: two axes turn, the third is even and goes on slowly.
+void GroupEncoder::Impl::find_fan(const LineGroup& group) {
+  Fan& fan = facts.fan;
+  fan.clear();
+  std::size_t even = 3;
+  std::int64_t least = std::numeric_limits<std::int64_t>::max();
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (!scales[axis].even || group.points() == 0) continue;
+    // An even axis has its extremes at the ends of runs.
+    std::int32_t low = std::numeric_limits<std::int32_t>::max();
+    std::int32_t high = std::numeric_limits<std::int32_t>::min();
+    for (const Run& run : group.runs)
+      for (const std::int32_t v : {group.xyz[axis][run.first], group.xyz[axis][run.first + run.count - 1]}) {
+        low = std::min(low, v);
+        high = std::max(high, v);
+      }
+    if (std::int64_t{high} - low >= least) continue;
+    least = std::int64_t{high} - low;
+    even = axis;
+  }
+  if (even == 3) return;
+  fan.range_axis = even == 0 ? 1 : 0;
+  fan.direction_axis = even == 2 ? 1 : 2;
+  fans.find(group.xyz[fan.range_axis], group.xyz[fan.direction_axis], fan);
+  if (fan.empty()) return;
+  for (const std::size_t part : {0U, 1U}) {
+    const std::size_t axis = part == 0 ? fan.range_axis : fan.direction_axis;
+    const auto& values = part == 0 ? fans.ranges : fans.directions;
+    scales[axis] = find_scale(values, group.runs, ends);
+    if (scales[axis].split) scales[axis] = {scales[axis].base, 1, false, false};
+    to_steps(values, scales[axis], state.u[axis]);
+    for (std::size_t i = 0; i < values.size() && !scales[axis].split; ++i)
+      scales[axis].split = fan.coordinate(part, fans.directions[i], fans.ranges[i]) != group.xyz[axis][i];
   }
 }
 
-void GroupEncoder::Impl::put_best(std::size_t modes, Bytes& to) {
-  std::size_t best = 0;
-  std::uint64_t best_cost = cost(trial[0]);
-  for (std::size_t m = 1; m < modes && best_cost > 0; ++m) {
-    const std::uint64_t c = cost(trial[m]);
-    if (c < best_cost) {
-      best = m;
-      best_cost = c;
-    }
+// By how much a point lies beside what its steps say.
+std::int64_t GroupEncoder::Impl::remainder(const LineGroup& group, std::size_t axis, PointIndex i) const noexcept {
+  const Fan& fan = facts.fan;
+  if (fan.empty() || (axis != fan.range_axis && axis != fan.direction_axis)) return scales[axis].remainder(group.xyz[axis][i]);
+  const std::size_t part = axis == fan.range_axis ? 0 : 1;
+  return wrap(std::int64_t{group.xyz[axis][i]} - fan.coordinate(part, fans.directions[i], fans.ranges[i]));
+}
+
+void GroupEncoder::Impl::write_even_ends(const LineGroup& group, Bytes& to) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (!scales[axis].even) continue;
+    symbols.clear();
+    visit_even_ends(group.runs, state.u[axis], [&](PointIndex i, std::int32_t guess, std::uint32_t context) {
+      symbols.put(wrap(std::int64_t{state.u[axis][i]} - guess), context);
+    });
+    symbols.write(to);
   }
-  to.push_back(static_cast<std::byte>(best));
-  planes.put_planes(to, trial[best]);
+}
+
+// Following the line before pays where edges go on from line to line, and costs where vertices come and go with the noise.
+void GroupEncoder::Impl::write_level_positions(const LineGroup& group, std::span<const PointIndex> points, Bytes& to) {
+  const auto attempt = [&](bool follow) {
+    symbols.clear();
+    write_positions(group.runs, points, follow, state, symbols);
+    return symbols.estimate();
+  };
+  const std::uint64_t alone = attempt(false);
+  const bool follow = attempt(true) <= alone;
+  if (!follow) (void)attempt(false);
+  to.push_back(std::byte{follow});
+  symbols.write(to);
 }
 
 void GroupEncoder::Impl::write_level(const LineGroup& group, std::uint8_t level, Bytes& to) {
-  write_positions(group.runs, width, level, planes, to);
-  // The chords are brought to this level by the visit, so every axis visits on its own; a visit only looks at its own axis.
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    for (auto& t : trial) t.clear();
-    const auto& u = state.u[axis];
-    const auto code = [&](const LevelPlace& at) {
-      for (std::size_t m = 0; m < kLevelModes; ++m)
-        trial[m].push_back(u[at.point] - predict(state, axis, static_cast<LevelMode>(m), at));
-    };
-    const auto code_end = [&](PointIndex point, PointIndex previous) {
-      const std::int64_t residual = previous == point ? u[point] : std::int64_t{u[point]} - u[previous];
-      for (std::size_t m = 0; m < kLevelModes; ++m) trial[m].push_back(residual);
-    };
-    visit_level(state, group.runs, axis, level == 0, code, code_end);
-    put_best(kLevelModes, to);
+  if (level == 0) {
+    write_even_ends(group, to);
+    align_runs(group, scales, state);
+    for (const Run& run : group.runs) {
+      state.known.push_back(run.first);
+      if (run.count > 1) state.known.push_back(run.first + run.count - 1);
+    }
   }
-}
-
-std::array<GroupEncoder::Impl::RestChoice, 3> GroupEncoder::Impl::choose_rest(const LineGroup& group, std::size_t along) {
-  constexpr std::size_t kSample = 8192;
-  const std::size_t stride = std::max<std::size_t>(1, state.fresh.size() / kSample);
-  std::array<RestChoice, 3> choice{};
-  std::array<WeightFit, 3> fits;
-  std::size_t i = 0;
-  visit_rest(state, group, along, [&](const RestPlace& at) {
-    if (i++ % stride != 0) return;
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      fits[axis].add(deviations(state, axis, at), std::int64_t{state.u[axis][at.point]} - state.chord[axis][at.point]);
-  });
-  for (std::size_t axis = 0; axis < 3; ++axis) choice[axis].weights = fits[axis].solve();
-
-  std::array<std::array<std::uint64_t, kRestModes>, 3> costs{};
-  i = 0;
-  visit_rest(state, group, along, [&](const RestPlace& at) {
-    if (i++ % stride != 0) return;
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      for (std::size_t m = 0; m < kRestModes; ++m)
-        costs[axis][m] +=
-            cost(state.u[axis][at.point] - predict(state, axis, static_cast<RestMode>(m), choice[axis].weights, at));
-  });
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    choice[axis].mode = static_cast<RestMode>(std::ranges::min_element(costs[axis]) - costs[axis].begin());
-  return choice;
+  write_level_positions(group, level_points[level], to);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (scales[axis].even) continue;
+    const auto& u = state.u[axis];
+    trial.clear();
+    std::array<std::uint64_t, kLevelModes> costs{};
+    visit_level(state, group.runs, axis, level == 0, [&](PointIndex i, const LevelGuess& guess, std::uint32_t context) {
+      Trial& t = trial.emplace_back();
+      t.context = context;
+      for (std::size_t m = 0; m < kLevelModes; ++m) {
+        t.residual[m] = wrap(std::int64_t{u[i]} - guess[m]);
+        costs[m] += log2_fixed(fold(t.residual[m]) / 2 + 1);
+      }
+    });
+    const auto best = static_cast<std::size_t>(std::ranges::min_element(costs) - costs.begin());
+    to.push_back(static_cast<std::byte>(best));
+    symbols.clear();
+    for (const Trial& t : trial) symbols.put(t.residual[best], t.context);
+    symbols.write(to);
+  }
 }
 
 void GroupEncoder::Impl::write_rest(const LineGroup& group, Bytes& to) {
-  const std::size_t along = main_axis(group);
-  const auto choice = choose_rest(group, along);
+  const std::size_t along = facts.fan.empty() ? main_axis(group) : facts.fan.direction_axis;
   to.push_back(static_cast<std::byte>(along));
-  for (const RestChoice& c : choice) {
-    to.push_back(static_cast<std::byte>(c.mode));
-    if (c.mode == RestMode::fitted)
-      for (const std::int16_t w : c.weights) put_signed(to, w);
+  const std::size_t points = group.points();
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (scales[axis].even && axis != along) continue;
+    rest_axes[axis].resize(points);
+    if (scales[axis].even)
+      std::ranges::copy(state.u[axis], rest_axes[axis].chord.begin());
+    else
+      fill_chord(state.known, state.u[axis], rest_axes[axis].chord);
   }
-  for (std::size_t axis = 0; axis < 3; ++axis) trial[axis].clear();
-  visit_rest(state, group, along, [&](const RestPlace& at) {
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      trial[axis].push_back(state.u[axis][at.point] - predict(state, axis, choice[axis].mode, choice[axis].weights, at));
+  neighbours.find(group, state, scales[along], rest_axes[along].chord);
+  rest_residuals.resize(points);
+  rest_contexts.resize(points);
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    if (!scales[axis].even) write_rest_axis(group, axis, to);
+}
+
+void GroupEncoder::Impl::write_rest_axis(const LineGroup& group, std::size_t axis, Bytes& to) {
+  constexpr std::size_t kSample = 2048;
+  const auto& u = state.u[axis];
+  RestAxis& at = rest_axes[axis];
+  kernels::subtract(u.data(), at.chord.data(), at.deviation.data(), u.size());
+  const std::size_t stride = std::max<std::size_t>(6, u.size() / kSample);
+  PointIndex sample = 0;
+  fit.clear();
+  visit_rest(group, state.known, neighbours, [&](const RestLine& line, PointIndex run_first, PointIndex from, PointIndex end) {
+    for (; sample < end; sample += static_cast<PointIndex>(stride))
+      if (sample >= from) fit.add(deviations_of(at, u, neighbours, line, run_first, sample), at.deviation[sample]);
   });
-  for (std::size_t axis = 0; axis < 3; ++axis) planes.put_planes(to, trial[axis]);
+  const Weights weights = fit.solve();
+  fitted_residuals(group, state.known, neighbours, weights, u, at, rest_residuals, rest_contexts);
+  symbols.clear();
+  visit_rest(group, state.known, neighbours, [&](const RestLine&, PointIndex, PointIndex from, PointIndex end) {
+    symbols.put(std::span(rest_residuals).subspan(from, end - from), std::span(rest_contexts).subspan(from, end - from));
+  });
+  const std::size_t start = to.size();
+  to.push_back(static_cast<std::byte>(RestMode::fitted));
+  for (const std::int16_t w : weights) put_signed(to, w);
+  symbols.write(to);
+  if (!write_plain_axis(group, axis, to.size() - start)) return;
+  to.resize(start);
+  to.insert(to.end(), plain.begin(), plain.end());
+}
+
+// What repeats itself in a way that no prediction sees is better left to zstd. A small part says whether to try all.
+bool GroupEncoder::Impl::write_plain_axis(const LineGroup& group, std::size_t axis, std::size_t fitted_size) {
+  constexpr std::size_t kPart = 2048;
+  const auto& u = state.u[axis];
+  const std::size_t all = u.size() - state.known.size();
+  const auto put = [&](RestMode mode, std::size_t most) {
+    leftovers.clear();
+    visit_rest(group, state.known, neighbours,
+               [&](const RestLine& line, PointIndex run_first, PointIndex from, PointIndex end) {
+                 for (PointIndex i = from; i < end && leftovers.size() < most; ++i)
+                   leftovers.push_back(wrap(std::int64_t{u[i]} -
+                                            predict_plain(mode, neighbours, line, u, rest_axes[axis].chord, run_first, i)));
+               });
+    plain.assign(1, static_cast<std::byte>(mode));
+    planes.put_planes(plain, leftovers);
+  };
+  if (fitted_size < all / 16) return false; // next to nothing
+  const std::size_t part = std::min(all, std::max<std::size_t>(256, std::min(kPart, all / 16)));
+  RestMode best = RestMode::left;
+  std::size_t least = std::numeric_limits<std::size_t>::max();
+  for (const RestMode mode : {RestMode::left, RestMode::slope}) {
+    put(mode, part);
+    if (plain.size() < least) {
+      least = plain.size();
+      best = mode;
+    }
+  }
+  if (least * all > fitted_size * part + fitted_size * part / 8) return false;
+  put(best, all);
+  return plain.size() < fitted_size;
+}
+
+// The points that a level adds, ascending.
+template <class Visit>
+void GroupEncoder::Impl::visit_new(const LineGroup& group, bool rest_of_all, bool coarsest, Visit&& visit) {
+  if (rest_of_all)
+    visit_rest(group, state.known, neighbours, [&](const RestLine&, PointIndex, PointIndex from, PointIndex end) {
+      for (PointIndex i = from; i < end; ++i) visit(i);
+    });
+  else
+    for (std::size_t v = 0; v < state.vertices.size(); ++v)
+      if (coarsest || state.added[v] != 0) visit(state.vertices[v]);
 }
 
 // What the coded steps leave over: remainders of axes whose step not all values share, IEEE residuals.
-void GroupEncoder::Impl::write_leftovers(const LineGroup& group, Bytes& to) {
+void GroupEncoder::Impl::write_leftovers(const LineGroup& group, bool rest_of_all, bool coarsest, Bytes& to) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (!scales[axis].split) continue;
-    residuals.clear();
-    for (const PointIndex i : state.fresh) residuals.push_back(scales[axis].remainder(group.xyz[axis][i]));
-    planes.put_planes(to, residuals);
+    leftovers.clear();
+    visit_new(group, rest_of_all, coarsest, [&](PointIndex i) { leftovers.push_back(remainder(group, axis, i)); });
+    planes.put_planes(to, leftovers);
   }
   for (const auto& axis : group.ulp) {
     if (axis.empty()) return;
-    residuals.clear();
-    for (const PointIndex i : state.fresh) residuals.push_back(axis[i]);
-    planes.put_planes(to, residuals);
+    leftovers.clear();
+    visit_new(group, rest_of_all, coarsest, [&](PointIndex i) { leftovers.push_back(axis[i]); });
+    planes.put_planes(to, leftovers);
   }
 }
 
@@ -181,13 +319,7 @@ void GroupEncoder::encode(const LineGroup& group, const GroupRanks& ranks, const
   Impl& s = *impl_;
   const std::size_t points = group.points();
   const auto levels = static_cast<std::uint8_t>(alpha.tolerances.size());
-
-  s.width.resize(points);
-  std::array<double, kMaxLevels + 2> farthest{}; // per alpha-width: the largest finite D
-  for (std::size_t i = 0; i < points; ++i) {
-    s.width[i] = static_cast<std::uint8_t>(alpha.width(ranks.distance[i]));
-    if (std::isfinite(ranks.distance[i])) farthest[s.width[i]] = std::max(farthest[s.width[i]], ranks.distance[i]);
-  }
+  s.sort_levels(group, ranks, alpha);
 
   out.number = static_cast<std::uint32_t>(group.number);
   out.first_line = group.lines.front().index;
@@ -207,29 +339,29 @@ void GroupEncoder::encode(const LineGroup& group, const GroupRanks& ranks, const
 
   s.load(group);
   s.table.clear();
-  write_line_table(group, s.scales, !group.ulp[0].empty(), s.table);
+  write_line_table(group, s.facts, s.table);
   s.planes.put_blob(out.payloads[0], s.table);
-  header.left_out = *std::ranges::max_element(farthest);
+  header.left_out = *std::ranges::max_element(s.farthest);
   header.points = static_cast<std::uint32_t>(points);
   seal_payload(header, out.payloads[0]);
 
+  std::size_t known = 0;
   for (std::uint8_t k = 0; k <= levels; ++k) {
     Bytes& payload = out.payloads[k + 1U];
-    s.state.fresh.clear();
-    for (std::size_t i = 0; i < points; ++i)
-      if (s.width[i] == k) s.state.fresh.push_back(static_cast<PointIndex>(i));
-    if (k < levels)
-      s.write_level(group, k, payload);
-    else
+    const bool rest = k == levels;
+    if (rest)
       s.write_rest(group, payload);
-    s.write_leftovers(group, payload);
-    header.kind = k < levels ? PayloadKind::level : PayloadKind::rest;
+    else
+      s.write_level(group, k, payload);
+    s.write_leftovers(group, rest, k == 0, payload);
+    header.kind = rest ? PayloadKind::rest : PayloadKind::level;
     header.level = k;
-    header.points = static_cast<std::uint32_t>(s.state.fresh.size());
-    header.tolerance = k < levels ? alpha.tolerances[k] : 0.0;
-    header.left_out = *std::max_element(farthest.begin() + k + 1, farthest.end());
+    header.points = static_cast<std::uint32_t>((rest ? points : s.state.vertices.size()) - known);
+    header.tolerance = rest ? 0.0 : alpha.tolerances[k];
+    header.left_out = rest ? 0.0 : *std::max_element(s.farthest.begin() + k + 1, s.farthest.end());
     seal_payload(header, payload);
-    s.state.merge_fresh();
+    known += header.points;
+    s.state.end_level();
   }
 }
 

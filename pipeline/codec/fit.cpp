@@ -2,48 +2,106 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/codec/fit.hpp"
 
+#include "pipeline/codec/frequencies.hpp"
+#include "pipeline/codec/kernels.hpp"
+
 #include <algorithm>
 #include <cmath>
 
 namespace scansion {
+namespace {
 
-void WeightFit::add(const Deviations& d, std::int64_t target) noexcept {
-  std::array<double, kNeighbours> x;
-  for (std::size_t i = 0; i < kNeighbours; ++i) x[i] = static_cast<double>(d[i]);
-  for (std::size_t i = 0; i < kNeighbours; ++i) {
-    for (std::size_t j = 0; j <= i; ++j) normal_[i][j] += x[i] * x[j];
-    right_[i] += x[i] * static_cast<double>(target);
-  }
+std::int64_t guess(const Weights& weights, const WeightFit::Row& deviations) noexcept {
+  std::int64_t sum = std::int64_t{1} << (kWeightBits - 1);
+  for (std::size_t k = 0; k < kWeights; ++k) sum += std::int64_t{weights[k]} * deviations[k];
+  return sum >> kWeightBits;
 }
 
-Weights WeightFit::solve() const noexcept {
+} // namespace
+
+Weights WeightFit::solve(Normal l, std::size_t count) const noexcept {
   // Cholesky with a small ridge: neighbours that never differ from their chord get weight 0.
-  auto l = normal_;
   double trace = 0;
-  for (std::size_t i = 0; i < kNeighbours; ++i) trace += l[i][i];
-  const double ridge = 1e-6 * trace + 1.0;
-  std::array<double, kNeighbours> w = right_;
-  for (std::size_t i = 0; i < kNeighbours; ++i) {
+  for (std::size_t i = 0; i < count; ++i) trace += l[i][i];
+  const double ridge = 1e-6 * trace / static_cast<double>(count) + 1e-9;
+  std::array<double, kWeights> w{};
+  for (std::size_t i = 0; i < count; ++i) w[i] = l[i][kWeights];
+  for (std::size_t i = 0; i < count; ++i) {
     l[i][i] += ridge;
     for (std::size_t j = 0; j <= i; ++j) {
       double sum = l[i][j];
       for (std::size_t k = 0; k < j; ++k) sum -= l[i][k] * l[j][k];
-      l[i][j] = i == j ? std::sqrt(std::max(sum, 1e-9)) : sum / l[j][j];
+      l[i][j] = i == j ? std::sqrt(std::max(sum, 1e-12)) : sum / l[j][j];
     }
   }
-  for (std::size_t i = 0; i < kNeighbours; ++i) {
+  for (std::size_t i = 0; i < count; ++i) {
     for (std::size_t k = 0; k < i; ++k) w[i] -= l[i][k] * w[k];
     w[i] /= l[i][i];
   }
-  for (std::size_t i = kNeighbours; i-- > 0;) {
-    for (std::size_t k = i + 1; k < kNeighbours; ++k) w[i] -= l[k][i] * w[k];
+  for (std::size_t i = count; i-- > 0;) {
+    for (std::size_t k = i + 1; k < count; ++k) w[i] -= l[k][i] * w[k];
     w[i] /= l[i][i];
   }
   Weights out{};
   constexpr double kUnit = 1 << kWeightBits;
-  for (std::size_t i = 0; i < kNeighbours; ++i)
+  for (std::size_t i = 0; i < count; ++i)
     out[i] = static_cast<std::int16_t>(std::lround(std::clamp(w[i] * kUnit, -32767.0, 32767.0)));
   return out;
+}
+
+std::uint64_t WeightFit::cost(const Weights& weights) const noexcept {
+  std::uint64_t sum = 0;
+  for (const Sample& s : rows_) {
+    sum += log2_fixed(2 * static_cast<std::uint32_t>(size_of(wrap(s.target - guess(weights, s.deviations)))) + 1);
+  }
+  return sum;
+}
+
+// Each row counts by the inverse square of its own size: edges, where nothing can be predicted, must not decide. What is
+// smaller than usual counts like the usual: there rounding decides.
+void WeightFit::measure() {
+  sizes_.clear();
+  for (const Sample& s : rows_) {
+    double size = std::abs(static_cast<double>(s.target));
+    for (const std::int32_t d : s.deviations) size += std::abs(static_cast<double>(d));
+    sizes_.push_back(size / (kWeights + 1));
+  }
+  usual_.assign(sizes_.begin(), sizes_.end());
+  const auto middle = usual_.begin() + static_cast<std::ptrdiff_t>(usual_.size() / 2);
+  std::ranges::nth_element(usual_, middle);
+  constexpr double kShare = 0.3;
+  floor_ = kShare * *middle * *middle + 1.0;
+}
+
+// With weights at hand a row counts by what they leave of it, too.
+WeightFit::Normal WeightFit::normal_of(const Weights* first) const noexcept {
+  Normal normal{};
+  const std::size_t stride = first != nullptr ? 2 : 1;
+  for (std::size_t row = 0; row < rows_.size(); row += stride) {
+    const Sample& s = rows_[row];
+    std::array<double, kColumns> x{};
+    std::ranges::copy(s.deviations, x.begin());
+    x[kWeights] = s.target;
+    double square = sizes_[row] * sizes_[row];
+    if (first != nullptr) {
+      const double left = wrap(s.target - guess(*first, s.deviations));
+      square = (square + left * left) / 2;
+    }
+    kernels::add_products(x.data(), 1.0 / (square + floor_), normal[0].data(), kWeights);
+  }
+  return normal;
+}
+
+Weights WeightFit::solve() {
+  if (rows_.empty()) return {};
+  measure();
+  const Normal normal = normal_of(nullptr);
+  const Weights all = solve(normal, kWeights);
+  const Weights without = solve(normal, kLeft + kBeside);
+  const bool more = cost(all) < cost(without);
+  const Weights first = more ? all : without;
+  const Weights second = solve(normal_of(&first), more ? kWeights : kLeft + kBeside);
+  return cost(second) < cost(first) ? second : first;
 }
 
 } // namespace scansion

@@ -1,20 +1,36 @@
-// Weights of the fitted prediction: least squares over a sample of the rest.
+// Weights of the fitted prediction: least squares over a sample of the rest. The encoder's choice alone: the reader is told.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "pipeline/codec/rest_coder.hpp"
+#include "pipeline/codec/rest_model.hpp"
 
 namespace scansion {
 
-/// Collects deviations and what they should have predicted, then solves for the weights.
+/// Collects deviations and what they should have predicted, then solves for the weights that serve best.
 class WeightFit {
 public:
-  void add(const Deviations& d, std::int64_t target) noexcept;
-  [[nodiscard]] Weights solve() const noexcept;
+  using Row = std::array<std::int32_t, kWeights>;
+
+  void clear() noexcept { rows_.clear(); }
+  void add(const Row& deviations, std::int32_t target) { rows_.push_back({deviations, target}); }
+  /// Tries the weights with and without the points beside against the chord here.
+  [[nodiscard]] Weights solve();
 
 private:
-  std::array<std::array<double, kNeighbours>, kNeighbours> normal_{};
-  std::array<double, kNeighbours> right_{};
+  struct Sample {
+    Row deviations;
+    std::int32_t target;
+  };
+  static constexpr std::size_t kColumns = 16; // the weights, the right side, nothing
+  using Normal = std::array<std::array<double, kColumns>, kWeights>;
+  void measure();
+  [[nodiscard]] Normal normal_of(const Weights* first) const noexcept;
+  [[nodiscard]] Weights solve(Normal normal, std::size_t count) const noexcept;
+  [[nodiscard]] std::uint64_t cost(const Weights& weights) const noexcept;
+  std::vector<Sample> rows_;
+  std::vector<double> sizes_; ///< mean size of what stands in each row
+  std::vector<double> usual_;
+  double floor_ = 1.0;
 };
 
 } // namespace scansion

@@ -2,46 +2,90 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/codec/group_state.hpp"
 
+#include "pipeline/codec/kernels.hpp"
+
 #include <algorithm>
-#include <iterator>
 
 namespace scansion {
+namespace {
 
-void GroupState::merge_fresh() {
-  merged_.clear();
-  merged_.reserve(known.size() + fresh.size());
-  std::ranges::merge(known, fresh, std::back_inserter(merged_));
-  known.swap(merged_);
-  fresh.clear();
+void places_of(std::span<const Run> runs, std::vector<RunPlace>& out) {
+  out.clear();
+  std::int64_t sample = 0;
+  for (const Run& run : runs) {
+    sample += run.invalid_before;
+    out.push_back({&run, sample});
+    sample += run.count;
+  }
 }
 
-void fill_chord(std::span<const PointIndex> vertices, std::span<const std::int32_t> u, std::span<std::int32_t> chord) noexcept {
-  if (vertices.empty()) return;
-  chord[vertices.front()] = u[vertices.front()];
-  for (std::size_t v = 1; v < vertices.size(); ++v) {
-    const PointIndex a = vertices[v - 1];
-    const PointIndex b = vertices[v];
-    const std::int64_t length = b - a;
-    const std::int64_t rise = std::int64_t{u[b]} - u[a];
-    std::int64_t step = rise / length;
-    std::int64_t part = rise % length;
-    if (part < 0) {
-      part += length;
-      --step;
+std::int64_t shift_between(const RunPlace& here, const RunPlace& above, const AxisScales& scales,
+                           const GroupState& state) noexcept {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (!scales[axis].even) continue;
+    const auto& u = state.u[axis];
+    const std::int64_t step = even_step(*here.run, u);
+    if (step == 0 || step != even_step(*above.run, u)) continue;
+    const std::int64_t offset = std::int64_t{u[here.run->first]} - u[above.run->first];
+    if (offset % step != 0) continue;
+    return offset / step + above.run->first - here.run->first;
+  }
+  return here.first_sample - above.first_sample + above.run->first - here.run->first;
+}
+
+} // namespace
+
+void GroupState::begin_level() {
+  vertices.clear();
+  added.clear();
+  run_vertices.assign(1, 0);
+}
+
+void GroupState::end_run(const Run& run, std::size_t& f, std::size_t& k) {
+  const PointIndex end = run.first + run.count;
+  const auto take = [&](PointIndex i, bool is_fresh) {
+    vertices.push_back(i);
+    added.push_back(is_fresh ? 1 : 0);
+  };
+  for (; f < fresh.size() && fresh[f].point < end; ++f) {
+    while (k < known.size() && known[k] < fresh[f].point) take(known[k++], false);
+    take(fresh[f].point, true);
+  }
+  while (k < known.size() && known[k] < end) take(known[k++], false);
+  run_vertices.push_back(static_cast<std::uint32_t>(vertices.size()));
+}
+
+void align_runs(const LineGroup& group, const AxisScales& scales, GroupState& state) {
+  std::vector<RunPlace>& here = state.places_here;
+  std::vector<RunPlace>& above = state.places_above;
+  above.clear();
+  std::uint32_t above_run = 0;
+  state.above.assign(group.runs.size(), {});
+  for (const ScanLine& line : group.lines) {
+    if (line.run_count == 0) continue;
+    places_of(group.runs_of(line), here);
+    std::size_t a = 0;
+    for (std::size_t r = 0; r < here.size() && !above.empty(); ++r) {
+      const std::int64_t middle = here[r].first_sample + here[r].run->count / 2;
+      while (a + 1 < above.size() && above[a].first_sample + above[a].run->count <= middle) ++a;
+      const Run& run = *above[a].run;
+      state.above[line.first_run + r] = {above_run + static_cast<std::uint32_t>(a), run.first, run.first + run.count - 1,
+                                         shift_between(here[r], above[a], scales, state), true};
+      const RunAbove& at = state.above[line.first_run + r];
+      for (const PointIndex i : {here[r].run->first, here[r].run->first + here[r].run->count - 1})
+        state.beside[i] = at.beside(i);
     }
-    // The same floor as between(), one addition a point.
-    std::int64_t value = u[a];
-    std::int64_t sum = 0;
-    for (PointIndex i = a + 1; i < b; ++i) {
-      value += step;
-      sum += part;
-      if (sum >= length) {
-        sum -= length;
-        ++value;
-      }
-      chord[i] = static_cast<std::int32_t>(value);
-    }
-    chord[b] = u[b];
+    above.swap(here);
+    above_run = line.first_run;
+  }
+}
+
+void fill_even(std::span<const Run> runs, std::span<std::int32_t> u) noexcept {
+  for (const Run& run : runs) {
+    const auto step = static_cast<std::uint32_t>(static_cast<std::uint64_t>(even_step(run, u)));
+    const auto first = static_cast<std::uint32_t>(u[run.first]);
+    // The last point stays: where hostile ends are not a whole number of steps apart, it is no sum of steps.
+    if (run.count > 2) kernels::ramp(first, step, u.data() + run.first, run.count - 1);
   }
 }
 

@@ -4,14 +4,13 @@
 
 #include "pipeline/codec/endian.hpp"
 
-#include <algorithm>
 #include <limits>
-#include <numeric>
 
 namespace scansion {
 namespace {
 
 constexpr std::uint8_t kExact = 1;
+constexpr std::uint8_t kFan = 2;
 
 enum LineFlag : std::uint8_t {
   kDevice = 1,
@@ -38,37 +37,6 @@ std::int64_t wrapping_difference(std::int64_t a, std::int64_t b) noexcept {
 }
 std::int64_t wrapping_sum(std::int64_t a, std::int64_t b) noexcept {
   return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) + static_cast<std::uint64_t>(b));
-}
-
-std::int64_t modulo(std::int64_t v, std::int64_t step) noexcept {
-  const std::int64_t rest = v % step;
-  return rest < 0 ? rest + step : rest;
-}
-
-// A step is only worth its name when the axis spans many of them.
-constexpr std::int64_t kLeastSteps = 64;
-
-struct Majority {
-  std::int64_t residue = 0;
-  bool clear = false; ///< three quarters of the values have it
-};
-
-// Majority vote over a sample of the values.
-Majority majority_residue(std::span<const std::int32_t> values, std::int64_t step) noexcept {
-  constexpr std::size_t kSample = 1024;
-  const std::size_t stride = std::max<std::size_t>(1, values.size() / kSample);
-  Majority m;
-  std::size_t votes = 0;
-  for (std::size_t i = 0; i < values.size(); i += stride) {
-    const std::int64_t r = modulo(values[i], step);
-    if (votes == 0) m.residue = r;
-    votes = r == m.residue ? votes + 1 : votes - 1;
-  }
-  std::size_t have = 0;
-  std::size_t all = 0;
-  for (std::size_t i = 0; i < values.size(); i += stride, ++all) have += modulo(values[i], step) == m.residue ? 1U : 0U;
-  m.clear = 4 * have >= 3 * all;
-  return m;
 }
 
 Result<void> read_runs(ByteReader& from, std::uint8_t flags, std::uint32_t limit, LineGroup& group, ScanLine& line) {
@@ -110,39 +78,13 @@ void read_stamps(ByteReader& from, std::uint8_t flags, Stamps& last, ScanLine& l
 
 } // namespace
 
-AxisScale find_scale(std::span<const std::int32_t> values) noexcept {
-  if (values.empty()) return {};
-  const auto [low, high] = std::ranges::minmax(values);
-  if (low == high) return {low, 1, false};
-  std::int64_t step = 0;
-  for (const std::int32_t v : values) {
-    step = std::gcd(step, std::int64_t{v} - values.front());
-    if (step == 1) break;
-  }
-  const std::int64_t range = std::int64_t{high} - low;
-  std::int64_t residue = values.front();
-  bool split = false;
-  for (std::int64_t wider = step * 10; wider <= range / kLeastSteps; wider *= 10) {
-    const Majority m = majority_residue(values, wider);
-    if (!m.clear) break;
-    step = wider;
-    residue = m.residue;
-    split = true;
-  }
-  // Near the middle, so that the distance to both ends fits 32 bits even for step 1: the first base at or above it.
-  const std::int64_t middle = low + (range + 1) / 2;
-  const std::int64_t base = middle + modulo(residue - middle, step);
-  if (base > std::numeric_limits<std::int32_t>::max())
-    return {static_cast<std::int32_t>(base - step), static_cast<std::uint32_t>(step), split};
-  return {static_cast<std::int32_t>(base), static_cast<std::uint32_t>(step), split};
-}
-
-void write_line_table(const LineGroup& group, const AxisScales& scales, bool exact, Bytes& to) {
-  to.push_back(static_cast<std::byte>(exact ? kExact : 0));
-  for (const AxisScale& scale : scales) {
+void write_line_table(const LineGroup& group, const GroupFacts& facts, Bytes& to) {
+  to.push_back(static_cast<std::byte>((facts.exact ? kExact : 0) | (facts.fan.empty() ? 0 : kFan)));
+  for (const AxisScale& scale : facts.scales) {
     put_signed(to, scale.base);
-    put_varint(to, std::uint64_t{scale.step} << 1U | (scale.split ? 1U : 0U));
+    put_varint(to, std::uint64_t{scale.step} << 2U | (scale.even ? 2U : 0U) | (scale.split ? 1U : 0U));
   }
+  if (!facts.fan.empty()) write_fan(facts.fan, to);
   Stamps last;
   for (const ScanLine& line : group.lines) {
     const auto runs = group.runs_of(line);
@@ -168,18 +110,22 @@ void write_line_table(const LineGroup& group, const AxisScales& scales, bool exa
   }
 }
 
-Result<void> read_line_table(ByteView table, const PayloadHeader& header, LineGroup& group, AxisScales& scales, bool& exact) {
+Result<void> read_line_table(ByteView table, const PayloadHeader& header, LineGroup& group, GroupFacts& facts) {
   ByteReader from(table);
-  const std::uint8_t facts = from.byte();
-  if (facts > kExact) return fail(Errc::damaged, "the line table has unknown flags");
-  exact = facts == kExact;
-  for (AxisScale& scale : scales) {
+  const std::uint8_t flags_of_all = from.byte();
+  if (flags_of_all > (kExact | kFan)) return fail(Errc::damaged, "the line table has unknown flags");
+  facts.exact = (flags_of_all & kExact) != 0;
+  facts.fan.clear();
+  for (AxisScale& scale : facts.scales) {
     const std::int64_t base = from.signed_varint();
     const std::uint64_t packed = from.varint();
-    const std::uint64_t step = packed >> 1U;
+    const std::uint64_t step = packed >> 2U;
     if (!from.ok() || base != static_cast<std::int32_t>(base) || step == 0 || step > std::numeric_limits<std::uint32_t>::max())
       return fail(Errc::damaged, "the line table has an impossible axis scale");
-    scale = {static_cast<std::int32_t>(base), static_cast<std::uint32_t>(step), (packed & 1U) != 0};
+    scale = {static_cast<std::int32_t>(base), static_cast<std::uint32_t>(step), (packed & 1U) != 0, (packed & 2U) != 0};
+  }
+  if ((flags_of_all & kFan) != 0) {
+    SCANSION_TRY(read_fan(from, header.points, facts.fan));
   }
   Stamps last;
   group.clear();

@@ -1,74 +1,187 @@
-// Which points of each run belong to a level.
+// Which points of each run a level adds.
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/codec/positions.hpp"
 
-#include "pipeline/codec/codec.hpp"
+#include <algorithm>
+#include <bit>
 
 namespace scansion {
 namespace {
 
-constexpr std::size_t kMaxVarint32 = 5;
+// What happens next along a segment. From kMatched on: a vertex that goes on kDrift samples before to kDrift behind the
+// candidate.
+enum Event : std::uint32_t { kEnd = 0, kNew = 1, kVanished = 2, kMatched = 3 };
+constexpr std::uint32_t kEvents = kMatched + 2 * kDrift + 1;
 
-// Inner points of a run as a half-open range.
-struct Inner {
-  PointIndex first, end;
-};
-Inner inner(const Run& run) noexcept {
-  return run.count < 3 ? Inner{run.first, run.first} : Inner{run.first + 1, run.first + run.count - 1};
+// Contexts of events without a candidate: by the length ahead, apart where the segment has got a vertex already. With one: by
+// the last event and by whether the candidate is of this level.
+constexpr std::uint32_t kLengths = 8;
+constexpr std::uint32_t kWithCandidate = 2 * kLengths;
+// Contexts of places: by the length ahead.
+constexpr std::uint32_t kPlaces = kWithCandidate + 2 * kEvents;
+constexpr std::uint32_t kPlaceContexts = 14;
+static_assert(kPlaces + kPlaceContexts <= kMaxContexts);
+
+std::uint32_t log_length(std::int64_t length) noexcept {
+  return static_cast<std::uint32_t>(std::bit_width(static_cast<std::uint64_t>(length)));
 }
+
+// The way along the segments between coarser vertices. Both sides see the same candidates: vertices of the line before.
+class Walk {
+public:
+  Walk(std::span<const Run> runs, GroupState& state, bool follow) noexcept : runs_(runs), s_(state), follow_(follow) {}
+
+  void enter_run(std::size_t r) noexcept {
+    run_ = &runs_[r];
+    above_ = s_.above[r];
+    next_ = end_ = 0;
+    segment_ = known_;
+    if (!follow_ || !above_.exists || run_->count < 3) return;
+    const std::size_t begin = s_.run_vertices[above_.run];
+    end_ = s_.run_vertices[above_.run + 1] - 1;
+    const std::int64_t behind = std::clamp<std::int64_t>(run_->first + above_.shift, above_.first, above_.last);
+    const std::span<const PointIndex> inner(s_.vertices.data() + begin, end_ - begin);
+    next_ = begin + static_cast<std::size_t>(std::ranges::upper_bound(inner, behind) - inner.begin());
+  }
+  /// Goes on to the next segment of the run that can have a new vertex; false behind the last.
+  bool enter_segment() noexcept {
+    const PointIndex last = run_->first + run_->count - 1;
+    while (s_.known[segment_] != last) {
+      at_ = s_.known[segment_++];
+      limit_ = s_.known[segment_];
+      if (limit_ - at_ < 2) continue;
+      event_ = kEnd;
+      find();
+      return true;
+    }
+    return false;
+  }
+  void leave_run() { s_.end_run(*run_, fresh_, known_); }
+
+  [[nodiscard]] bool can_go_on() const noexcept { return limit_ - at_ >= 2; }
+  [[nodiscard]] bool has_candidate() const noexcept { return place_ != 0; }
+  [[nodiscard]] std::int64_t place() const noexcept { return place_; }
+  [[nodiscard]] std::int64_t at() const noexcept { return at_; }
+  [[nodiscard]] std::int64_t limit() const noexcept { return limit_; }
+  /// How many points a new vertex that is not the candidate may be.
+  [[nodiscard]] std::int64_t length() const noexcept {
+    return (has_candidate() ? std::max(at_ + 1, place_ - kDrift) : limit_) - at_ - 1;
+  }
+  [[nodiscard]] std::uint32_t event_context() const noexcept {
+    if (has_candidate()) return kWithCandidate + s_.added[next_] * kEvents + event_;
+    return (event_ == kEnd ? 0 : kLengths) + std::min(kLengths, log_length(limit_ - at_ - 1)) - 1;
+  }
+  [[nodiscard]] std::uint32_t place_context() const noexcept {
+    return kPlaces + std::min(kPlaceContexts, log_length(length())) - 1;
+  }
+  /// Goes on behind an event; a new or matched vertex lies at `i`.
+  void go(std::uint32_t event, std::int64_t i) {
+    event_ = event;
+    if (event == kVanished) {
+      at_ = std::min(place_ + kDrift, limit_ - 1);
+    } else {
+      at_ = i;
+      const auto point = static_cast<PointIndex>(i);
+      const bool matched = event >= kMatched;
+      s_.fresh.push_back({point, matched});
+      if (above_.exists) s_.beside[point] = matched ? s_.vertices[next_] : above_.beside(point);
+    }
+    if (event != kNew) ++next_;
+    find();
+  }
+
+private:
+  // The next vertex above whose place lies ahead in the segment, and not beside a coarser vertex, which has taken its part.
+  void find() noexcept {
+    place_ = 0;
+    for (; next_ < end_; ++next_) {
+      const std::int64_t place = std::int64_t{s_.vertices[next_]} - above_.shift;
+      if (place >= limit_) return;
+      if (place <= at_ || place <= std::int64_t{s_.known[segment_ - 1]} + kDrift) continue;
+      const PointIndex last = run_->first + run_->count - 1;
+      if (limit_ < last && place + kDrift >= limit_) continue;
+      place_ = place;
+      return;
+    }
+  }
+
+  std::span<const Run> runs_;
+  GroupState& s_;
+  bool follow_;
+  const Run* run_ = nullptr;
+  RunAbove above_;
+  std::int64_t at_ = 0;    // the last point dealt with
+  std::int64_t limit_ = 0; // end of the segment
+  std::int64_t place_ = 0; // of the candidate; never 0, which is the first point of a run
+  std::uint32_t event_ = kEnd;
+  std::size_t next_ = 0, end_ = 0; // candidates above
+  std::size_t segment_ = 0;        // into known
+  std::size_t fresh_ = 0, known_ = 0;
+};
 
 } // namespace
 
-void write_positions(std::span<const Run> runs, std::span<const std::uint8_t> width, std::uint8_t level, PlaneWriter& planes,
-                     Bytes& to) {
-  Bytes counts;
-  Bytes skips;
-  for (const Run& run : runs) {
-    std::uint64_t count = 0;
-    std::uint64_t skip = 0;
-    const Inner range = inner(run);
-    for (PointIndex i = range.first; i < range.end; ++i) {
-      if (width[i] == level) {
-        put_varint(skips, skip);
-        skip = 0;
-        ++count;
-      } else if (width[i] > level) {
-        ++skip;
-      }
+void write_positions(std::span<const Run> runs, std::span<const PointIndex> wanted, bool follow, GroupState& state,
+                     SymbolWriter& to) {
+  state.fresh.clear();
+  state.begin_level();
+  Walk walk(runs, state, follow);
+  std::size_t f = 0;
+  const auto put = [&](std::uint32_t event, std::int64_t i) {
+    to.put(unfold(event), walk.event_context());
+    if (event == kNew && walk.length() > 1) {
+      // Counted from the nearer end of where it may be.
+      const std::int64_t from_left = i - walk.at() - 1;
+      const std::int64_t from_right = walk.length() - 1 - from_left;
+      to.put(static_cast<std::int32_t>(from_left <= from_right ? from_left : -1 - from_right), walk.place_context());
     }
-    put_varint(counts, count);
+    walk.go(event, i);
+  };
+  for (std::size_t r = 0; r < runs.size(); ++r) {
+    walk.enter_run(r);
+    while (walk.enter_segment()) {
+      while (walk.can_go_on() && f < wanted.size() && wanted[f] < walk.limit()) {
+        const std::int64_t i = wanted[f];
+        const std::int64_t drift = i - walk.place();
+        if (walk.has_candidate() && drift > kDrift) {
+          put(kVanished, 0);
+          continue;
+        }
+        put(walk.has_candidate() && drift >= -kDrift ? static_cast<std::uint32_t>(kMatched + kDrift + drift) : kNew, i);
+        ++f;
+      }
+      if (walk.can_go_on()) to.put(unfold(kEnd), walk.event_context());
+    }
+    walk.leave_run();
   }
-  planes.put_blob(to, counts);
-  planes.put_blob(to, skips);
 }
 
-Result<void> read_positions(ByteReader& from, std::span<const Run> runs, std::span<std::uint8_t> width, std::uint8_t level,
-                            std::size_t count, PlaneReader& planes, std::vector<PointIndex>& fresh) {
-  Bytes counts;
-  Bytes skips;
-  SCANSION_TRY(planes.get_blob(from, runs.size() * kMaxVarint32, counts));
-  SCANSION_TRY(planes.get_blob(from, count * kMaxVarint32, skips));
-  ByteReader count_of(counts);
-  ByteReader skip_of(skips);
-  fresh.clear();
-  const auto take = [&](PointIndex i) {
-    width[i] = level;
-    fresh.push_back(i);
-  };
-  for (const Run& run : runs) {
-    if (level == 0) take(run.first);
-    const Inner range = inner(run);
-    PointIndex i = range.first;
-    for (std::uint64_t left = count_of.varint(); left > 0; --left) {
-      std::uint64_t skip = skip_of.varint();
-      while (i < range.end && (width[i] != DecodedGroup::kUnknown || skip-- > 0)) ++i;
-      if (i >= range.end || !skip_of.ok()) return fail(Errc::damaged, "a level names points that its runs do not have");
-      take(i++);
+Result<void> read_positions(std::span<const Run> runs, bool follow, GroupState& state, std::size_t limit, SymbolReader& from) {
+  state.fresh.clear();
+  state.begin_level();
+  Walk walk(runs, state, follow);
+  for (std::size_t r = 0; r < runs.size(); ++r) {
+    walk.enter_run(r);
+    while (walk.enter_segment()) {
+      while (walk.can_go_on()) {
+        const std::uint32_t event = fold(from.next(walk.event_context()));
+        if (event == kEnd) break;
+        if (event >= kEvents || (event != kNew && !walk.has_candidate()))
+          return fail(Errc::damaged, "a level tells its points in an impossible way");
+        std::int64_t i = 0;
+        if (event == kNew) {
+          const std::int64_t place = walk.length() > 1 ? from.next(walk.place_context()) : 0;
+          i = place >= 0 ? walk.at() + 1 + place : walk.at() + 1 + walk.length() + place;
+        } else if (event >= kMatched) {
+          i = walk.place() + event - kMatched - kDrift;
+        }
+        if (event != kVanished && (i <= walk.at() || i >= walk.limit() || state.fresh.size() == limit))
+          return fail(Errc::damaged, "a level names points that its runs do not have");
+        walk.go(event, i);
+      }
     }
-    if (level == 0 && run.count > 1) take(run.first + run.count - 1);
+    walk.leave_run();
   }
-  if (!count_of.at_end() || !skip_of.at_end() || fresh.size() != count)
-    return fail(Errc::damaged, "a level and its header disagree on the number of points");
   return success();
 }
 

@@ -43,6 +43,7 @@ public:
   [[nodiscard]] bool ok() const noexcept { return ok_; }
   [[nodiscard]] bool at_end() const noexcept { return ok_ && rest_.empty(); }
   [[nodiscard]] std::size_t left() const noexcept { return rest_.size(); }
+  [[nodiscard]] ByteView rest() const noexcept { return rest_; }
 
   [[nodiscard]] ByteView bytes(std::uint64_t count) noexcept {
     if (!ok_ || count > rest_.size()) {

@@ -1,5 +1,5 @@
-// Writes seed inputs for codec_fuzz: real groups of random lines. codec_seeds FOLDER
-// SPDX-License-Identifier: Apache-2.0
+// Writes seed inputs for codec_fuzz: groups of random lines and of those that have a way of coding for themselves. codec_seeds
+// FOLDER SPDX-License-Identifier: Apache-2.0
 #include "pipeline/pipeline.hpp"
 #include "tests/property/lines.hpp"
 
@@ -9,9 +9,12 @@ int main(int argc, char** argv) {
   using namespace scansion;
   if (argc != 2) return 2;
   test::Random random(1);
-  for (int i = 0; i < 40; ++i) {
+  for (int i = 0; i < 52; ++i) {
     LineGroup group;
-    for (std::uint64_t l = 0; l < 4; ++l) append_line(group, l, test::make_line(random, 2, 40, i % 3 == 0));
+    if (i < 40)
+      for (std::uint64_t l = 0; l < 4; ++l) append_line(group, l, test::make_line(random, 2, 40, i % 3 == 0));
+    else
+      group = test::make_special(random, static_cast<test::Special>(i % 3), 12, 60);
     Pipeline pipeline(LevelSpec{}, Rational{1, 1000}, 5);
     EncodedGroup encoded;
     pipeline.process(group, encoded);

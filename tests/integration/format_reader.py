@@ -23,6 +23,99 @@ LINES, LEVEL, REST = 0, 1, 2
 UNKNOWN = 255
 
 
+def zigzag(value):
+    return value >> 1 ^ -(value & 1)
+
+
+def wrap(value):
+    return (value + (1 << 31)) % (1 << 32) - (1 << 31)
+
+
+def held(value, low, high):
+    return min(max(value, low), high)
+
+
+class Bits:
+    def __init__(self, data, where):
+        self.data, self.at, self.where = data, 0, where
+
+    def take(self, count):
+        need(self.at + count <= 8 * len(self.data), f"{self.where}: the bits are cut short")
+        first, last = self.at // 8, (self.at + count + 7) // 8
+        value = int.from_bytes(self.data[first:last], "little") >> self.at % 8 & (1 << count) - 1
+        self.at += count
+        return value
+
+    def gamma(self):
+        zeros = 0
+        while not self.take(1):
+            zeros += 1
+        return (1 << zeros | self.take(zeros)) - 1
+
+    def end(self):
+        rest = 8 * len(self.data) - self.at
+        need(rest < 8 and self.take(rest) == 0, f"{self.where}: {rest} bits too many")
+
+
+class Table:
+    def __init__(self, bits):
+        tokens, before, classes = bits.gamma(), 48, []
+        need(tokens <= 140, f"{bits.where}: {tokens} tokens")
+        for _ in range(tokens):
+            before += zigzag(bits.gamma())
+            need(0 <= before <= 48, f"{bits.where}: class {before}")
+            classes.append(before)
+        weights = [(4 + (k - 1) % 4) << (k - 1) // 4 if k else 0 for k in classes]
+        need(sum(weights) > 0, f"{bits.where}: a table without tokens")
+        self.frequency = [max(1, 4096 * w // sum(weights)) if w else 0 for w in weights]
+        self.frequency[classes.index(max(classes))] += max(0, 4096 - sum(self.frequency))
+        for _ in range(sum(self.frequency) - 4096):
+            self.frequency[self.frequency.index(max(self.frequency))] -= 1
+        self.start = [sum(self.frequency[:t]) for t in range(tokens)]
+        self.token = [t for t in range(tokens) for _ in range(self.frequency[t])]
+
+
+class Coded:
+    """Integers with contexts: next(context), and end() when all are taken."""
+
+    def __init__(self, body):
+        self.where, count = body.where, body.byte()
+        need(count <= 12, f"{self.where}: {count} tables")
+        self.tables, self.n = [], 0
+        if not count:
+            return
+        starts = [0] + [body.byte() for _ in range(count - 1)] + [48]
+        need(all(a < b for a, b in zip(starts, starts[1:])), f"{self.where}: tables at contexts {starts}")
+        bits = Bits(body.rest(), self.where)
+        tables = [Table(bits) for _ in range(count)]
+        body.take((bits.at + 7) // 8)
+        self.tables = [table for table, a, b in zip(tables, starts, starts[1:]) for _ in range(b - a)]
+        words = body.take(body.varint())
+        need(len(words) >= 8 and len(words) % 2 == 0, f"{self.where}: {len(words)} bytes of words")
+        self.states = list(struct.unpack_from("<2I", words))
+        self.words = iter(struct.unpack(f"<{len(words) // 2 - 4}H", words[8:]))
+        self.plain = Bits(body.take(body.varint()), self.where)
+
+    def next(self, context):
+        if not self.tables:
+            return 0
+        table, turn = self.tables[context], self.n % 2
+        self.n += 1
+        x = self.states[turn]
+        token = table.token[x % 4096]
+        x = table.frequency[token] * (x // 4096) + x % 4096 - table.start[token]
+        self.states[turn] = x << 16 | next(self.words) if x < 65536 else x
+        if token >= 32:
+            a, m = divmod(token - 32, 4)
+            token = (4 + m << a + 3) + self.plain.take(a + 3)
+        return zigzag(token)
+
+    def end(self):
+        if self.tables:
+            need(self.states == [65536, 65536] and next(self.words, None) is None, f"{self.where}: coded integers do not end")
+            self.plain.end()
+
+
 class Body(Fields):
     """The numbers of a payload body."""
 
@@ -41,7 +134,7 @@ class Body(Fields):
 
     def signed(self):
         value = self.varint()
-        return value >> 1 ^ -(value & 1)
+        return zigzag(value)
 
     def packed(self, size):
         if size == 0:
@@ -69,7 +162,13 @@ class Body(Fields):
         woven = bytearray(8 * count)
         for plane in range(width):
             woven[plane::8] = self.packed(count)
-        return [value >> 1 ^ -(value & 1) for value in struct.unpack(f"<{count}Q", woven)]
+        return [zigzag(value) for value in struct.unpack(f"<{count}Q", woven)]
+
+    def rest(self):
+        return self.content[self.at:]
+
+    def coded(self):
+        return Coded(self)
 
 
 class Header:
@@ -93,13 +192,33 @@ class Header:
 
 
 class Run:
-    """Points first .. last of the group; `knots` are those known so far, ascending."""
+    """Points first .. last of the group; `knots` are those known so far, ascending; `new` the knots of the level at hand;
+    `went_on` says for knots that go on from a vertex of the run above from which."""
 
-    def __init__(self, first, count):
-        self.first, self.last, self.knots = first, first + count - 1, []
+    def __init__(self, first, count, sample):
+        self.first, self.last, self.sample = first, first + count - 1, sample
+        self.knots, self.new = sorted({self.first, self.last}), set()
+        self.above, self.shift, self.went_on = None, 0, {}
 
     def __len__(self):
         return self.last - self.first + 1
+
+    def step(self, u):
+        if len(self) == 1:
+            return 0
+        rise = abs(u[self.last] - u[self.first]) // (len(self) - 1)
+        return rise if u[self.last] >= u[self.first] else -rise
+
+    def beside(self, i):
+        return held(i + self.shift, self.above.first, self.above.last)
+
+    def align(self, above, evens):
+        self.above, self.shift = above, above.first - above.sample + self.sample - self.first
+        for u in evens:
+            step = self.step(u)
+            if step and step == above.step(u) and (u[self.first] - u[above.first]) % step == 0:
+                self.shift = (u[self.first] - u[above.first]) // step + above.first - self.first
+                break
 
 
 class Line:
@@ -121,6 +240,29 @@ def polyline(u, run):
     return out
 
 
+class Fan:
+    """Directions of a sensor that turns."""
+
+    def __init__(self, table, limit):
+        axes, self.shift, count, turn = table.byte(), table.byte(), table.varint(), table.signed()
+        self.axes = (axes & 3, axes >> 2)
+        need(max(self.axes) <= 2 and self.axes[0] != self.axes[1] and self.shift <= 30 and 1 <= count <= min(limit, 65536),
+             f"{table.where}: a fan of axes {self.axes}, shift {self.shift}, {count} directions")
+        self.directions = [(0, 0), (0, 0)]
+        for _ in range(count):
+            (x, y), (x2, y2) = self.directions[-1], self.directions[-2]
+            self.directions.append(tuple(self.wide((self.wide(turn * a) >> 30) - b + table.signed()) for a, b in ((x, x2), (y, y2))))
+        del self.directions[:2]
+
+    @staticmethod
+    def wide(value):
+        return (value + (1 << 63)) % (1 << 64) - (1 << 63)
+
+    def coordinate(self, axis, n, d):
+        need(0 <= d < len(self.directions), f"direction {d} of {len(self.directions)}")
+        return self.wide(self.directions[d][self.axes.index(axis)] * n + (1 << self.shift >> 1)) >> self.shift
+
+
 class Group:
     """One group: the line table, then level after level."""
 
@@ -129,12 +271,14 @@ class Group:
         table = header.body.blob()
         header.body.end()
         flags = table.byte()
-        need(flags <= 1, f"{table.where}: flags {flags}")
-        self.residuals = bool(flags)
-        self.axes = []
+        need(flags <= 3, f"{table.where}: flags {flags}")
+        self.residuals = bool(flags & 1)
+        self.axes, self.even = [], []
         for _ in range(3):
             base, step = table.signed(), table.varint()
-            self.axes.append((base, step >> 1, bool(step & 1)))
+            self.axes.append((base, step >> 2, bool(step & 1)))
+            self.even.append(bool(step & 2))
+        self.fan = Fan(table, header.points) if flags & 2 else None
         self.lines, self.runs, self.count = [], [], 0
         last = [0] * 4
         for i in range(header.lines):
@@ -142,6 +286,7 @@ class Group:
         table.end()
         need(self.count == header.points, f"{table.where}: {self.count} points in the table, header says {header.points}")
         self.level = [UNKNOWN] * self.count
+        self.coarser = {}
         self.u = [[0] * self.count for _ in range(3)]
         self.remainder = [[0] * self.count for _ in range(3)]
         self.ulps = [[0] * self.count for _ in range(3)]
@@ -151,10 +296,12 @@ class Group:
         need(flags < 64, f"{table.where}: line flags {flags}")
         if flags & 32:
             counts = [table.varint()]
+            samples = [0]
         else:
-            counts = []
+            counts, samples = [], []
             for _ in range(table.varint()):
                 line.invalid += table.varint()
+                samples.append(line.invalid + sum(counts))
                 counts.append(table.varint())
             line.invalid += table.varint()
         for bit in range(4):
@@ -163,9 +310,9 @@ class Group:
         if flags & 16:
             line.plane = struct.unpack("<3d", table.take(24))
         line.first = self.count
-        for count in counts:
+        for count, sample in zip(counts, samples):
             need(count >= 1, f"{table.where}: a run without points")
-            line.runs.append(Run(self.count, count))
+            line.runs.append(Run(self.count, count, sample))
             self.count += count
         line.end = self.count
         self.runs += line.runs
@@ -189,6 +336,16 @@ class Group:
         self.store(self.level, new, [header.level] * len(new))
         body.end()
 
+    def count_at(self, axis, i):
+        def number(k):
+            base, step, _ = self.axes[k]
+            return wrap(base + step * self.u[k][i])
+        if self.fan and axis in self.fan.axes:
+            value = self.fan.coordinate(axis, *map(number, self.fan.axes))
+        else:
+            value = number(axis)
+        return wrap(value + self.remainder[axis][i])
+
     @staticmethod
     def store(values, where, what):
         for i, value in zip(where, what):
@@ -198,71 +355,141 @@ class Group:
 
     def read_level(self, body, k):
         """Gives the new points, ascending."""
-        inner = self.positions(body, k)
-        coarser = [[run.first, run.last] if k == 0 else run.knots for run in self.runs]
-        ends = [] if k else [sorted({run.first, run.last}) for run in self.runs]
-        for run, old, points in zip(self.runs, coarser, inner):
-            run.knots = sorted({*old, *points})
-        new = sorted(i for points in ends + inner for i in points)
-        for u in self.u:
-            mode = body.byte()
-            need(mode <= 2, f"{body.where}: mode {mode}")
-            residuals = iter(body.planes(len(new)))
+        if k == 0:
+            self.read_even(body)
+            self.align()
+        follow = body.byte()
+        need(follow <= 1, f"{body.where}: follow {follow}")
+        coded = body.coded()
+        inner = [self.positions(coded, run, follow) for run in self.runs]
+        coded.end()
+        for axis in self.uneven():
+            mode, u = body.byte(), self.u[axis]
+            need(mode <= 3, f"{body.where}: mode {mode}")
+            coded = body.coded()
             before = None
-            for run, old, points in zip(self.runs, coarser, inner):
+            for run, points in zip(self.runs, inner):
                 if k == 0:
-                    u[run.first] = (u[before.first] if before else 0) + next(residuals)
+                    above = run.above
+                    u[run.first] = wrap((u[above.first] if above else u[before.first] if before else 0) + coded.next(0))
                     if run.last != run.first:
-                        u[run.last] = (u[before.last] if before else 0) + next(residuals)
-                self.read_inner(u, mode, residuals, run, before, old, points)
+                        u[run.last] = wrap((u[above.last] if above else u[run.first]) + coded.next(0))
+                self.read_inner(u, mode, coded, run, points)
                 before = run
+            coded.end()
+        ends = [] if k else [i for run in self.runs for i in {run.first, run.last}]
+        return sorted(ends + [i for points in inner for i in points])
+
+    def uneven(self):
+        return [axis for axis in range(3) if not self.even[axis]]
+
+    def read_even(self, body):
+        for u, even in zip(self.u, self.even):
+            if not even:
+                continue
+            coded, first, step = body.coded(), 0, 0
+            for run in self.runs:
+                first = u[run.first] = wrap(first + coded.next(0))
+                if len(run) > 1:
+                    u[run.last] = wrap(first + step * (len(run) - 1) + coded.next(1))
+                    step = run.step(u)
+                    u[run.first:run.last] = [first + step * i for i in range(len(run) - 1)]
+            coded.end()
+
+    def align(self):
+        evens, before = [u for u, even in zip(self.u, self.even) if even], None
+        for line in self.lines:
+            if not line.runs:
+                continue
+            at = 0
+            for run in line.runs if before else []:
+                middle = run.sample + len(run) // 2
+                while at + 1 < len(before) and before[at].sample + len(before[at]) <= middle:
+                    at += 1
+                run.align(before[at], evens)
+            before = line.runs
+
+    def positions(self, coded, run, follow):
+        """The run's new inner points, ascending, as (point, candidate it goes on from or None)."""
+        old, new, candidates = run.knots, {}, []
+        if follow and run.above and len(run) > 2:
+            above = run.above
+            behind = held(run.first + run.shift, above.first, above.last)
+            candidates = [j for j in above.knots if above.first < j < above.last and j > behind]
+        for a, b in zip(old, old[1:]):
+            at, last = a, 0
+            while b - at >= 2:
+                while candidates and candidates[0] - run.shift < b:
+                    place = candidates[0] - run.shift
+                    if place > at and place > a + 2 and (b == run.last or place + 2 < b):
+                        break
+                    candidates.pop(0)
+                place = candidates[0] - run.shift if candidates and candidates[0] - run.shift < b else None
+                if place is None:
+                    context = min(8, (b - at - 1).bit_length()) - 1 + (8 if last else 0)
+                else:
+                    context = 16 + last + (8 if candidates[0] in run.above.new else 0)
+                event = coded.next(context)
+                last = event = 2 * event if event >= 0 else -2 * event - 1
+                need(event < 8 and (event < 2 or place is not None), f"{coded.where}: event {event}")
+                if event == 0:
+                    break
+                if event == 2:
+                    at = min(place + 2, b - 1)
+                    candidates.pop(0)
+                    continue
+                if event == 1:
+                    count = (b if place is None else max(at + 1, place - 2)) - at - 1
+                    p = coded.next(31 + min(14, count.bit_length())) if count > 1 else 0
+                    i = at + 1 + p + (count if p < 0 else 0)
+                    new[i] = None
+                else:
+                    i = place + event - 5
+                    new[i] = candidates.pop(0)
+                need(at < i < b, f"{coded.where}: a point outside its segment")
+                at = i
+        run.new = set(new)
+        run.went_on.update((i, j) for i, j in new.items() if j is not None)
+        run.knots = sorted([*old, *new])
+        self.coarser[run.first] = old
         return new
 
-    def positions(self, body, k):
-        """For each run its new inner points, ascending."""
-        counts, skips, out = body.blob(), body.blob(), []
-        for run in self.runs:
-            unknown = [i for i in range(run.first + 1, run.last) if self.level[i] == UNKNOWN]
-            at, points = -1, []
-            for _ in range(counts.varint()):
-                at += skips.varint() + 1
-                need(at < len(unknown), f"{body.where}: level {k} has a point outside its run")
-                points.append(unknown[at])
-            out.append(points)
-        counts.end()
-        skips.end()
-        return out
-
-    @staticmethod
-    def read_inner(u, mode, residuals, run, before, coarser, points):
-        """`coarser`: the points of the run that are known without this level."""
-        curve = polyline(u, before) if mode == 2 and before and points else None
-        for i in points:
+    def read_inner(self, u, mode, coded, run, points):
+        coarser = self.coarser[run.first]
+        curve = polyline(u, run.above) if run.above and points else None
+        for i in sorted(points):
             right = coarser[bisect_left(coarser, i)]
             left = run.knots[bisect_left(run.knots, i) - 1]
-            guess = u[left] if mode == 1 else on_line(u, left, right, i)
+            straight = on_line(u, left, right, i)
+            guess, context = (u[left] if mode == 1 else straight), 1
             if curve:
-                a, b, at = (min(j - run.first, len(before) - 1) for j in (left, right, i))
-                if a != b:
-                    guess += curve[at] - on_line(curve, a, b, at)
-            u[i] = guess + next(residuals)
+                start = run.above.first
+                a, b, at = (run.went_on.get(j, run.beside(j)) - start for j in (left, right, i))
+                goes_on = points[i] is not None
+                bend = curve[at] - on_line(curve, a, b, at) if a < at < b else 0
+                context = 2 + min(19, abs(bend).bit_length()) + (20 if goes_on else 0)
+                guess = (straight, u[left], straight + bend, u[left] + curve[at] - curve[a])[mode]
+            u[i] = wrap(guess + coded.next(context))
 
     # Rest
 
     def read_rest(self, body, new):
         axis = body.byte()
         need(axis <= 2, f"{body.where}: lines along axis {axis}")
-        modes, weights = [], []
-        for _ in range(3):
-            modes.append(body.byte())
-            need(modes[-1] <= 3, f"{body.where}: mode {modes[-1]}")
-            weights.append([body.signed() for _ in range(7)] if modes[-1] == 0 else None)
-            need(not weights[-1] or all(-32768 <= w <= 32767 for w in weights[-1]), f"{body.where}: weights {weights[-1]}")
-        curves = [[value for run in self.runs for value in polyline(u, run)] for u in self.u]
+        curves = [u if even else [value for run in self.runs for value in polyline(u, run)] for u, even in zip(self.u, self.even)]
         neighbours = self.neighbours(curves[axis])
         starts = [run.first for run in self.runs for _ in range(len(run))]
-        for u, curve, mode, weight in zip(self.u, curves, modes, weights):
-            self.read_axis(u, curve, mode, weight, zip(new, body.planes(len(new))), starts, neighbours)
+        for axis in self.uneven():
+            mode = body.byte()
+            need(mode <= 3, f"{body.where}: mode {mode}")
+            if mode:
+                self.read_plain(self.u[axis], curves[axis], mode, zip(new, body.planes(len(new))), starts, neighbours)
+                continue
+            weights = [body.signed() for _ in range(14)]
+            need(all(-32768 <= w <= 32767 for w in weights), f"{body.where}: weights {weights}")
+            coded = body.coded()
+            self.read_fitted(self.u[axis], curves[axis], weights, coded, new, starts, neighbours)
+            coded.end()
 
     def neighbours(self, curve):
         """For each point (j, first, end): its neighbour in the line before and that line's points; j None without one."""
@@ -275,17 +502,14 @@ class Group:
             else:
                 j = before.first
                 for i in range(line.first, line.end):
-                    if self.level[i] == UNKNOWN:
-                        j = self.walk(curve, curve[i], j, before)
+                    j = self.walk(curve, curve[i], j, before)
                     out.append((j, before.first, before.end))
             before = line
         return out
 
     @staticmethod
     def walk(curve, here, j, before):
-        for _ in range(8):
-            if j + 1 == before.end or abs(here - curve[j + 1]) > abs(here - curve[j]):
-                break
+        while j + 1 < before.end and abs(here - curve[j + 1]) <= abs(here - curve[j]):
             j += 1
         for _ in range(8):
             if j == before.first or abs(here - curve[j - 1]) >= abs(here - curve[j]):
@@ -294,22 +518,34 @@ class Group:
         return j
 
     @staticmethod
-    def read_axis(u, curve, mode, weights, residuals, starts, neighbours):
+    def read_fitted(u, curve, weights, coded, new, starts, neighbours):
+        size = [0] * len(u)
+        for i in new:
+            start, (j, first, end) = starts[i], neighbours[i]
+            near = [wrap(u[i - n] - curve[i - n]) if i - n >= start else 0 for n in range(1, 7)]
+            activity = 2 * size[i - 1] + (size[i - 2] if i - 2 >= start else 0)
+            if j is None:
+                activity *= 2
+            else:
+                k = [held(j + n, first, end - 1) for n in range(-2, 3)]
+                near += [wrap(u[n] - curve[n]) for n in k] + [wrap(u[k[n + 2]] - curve[i + n]) for n in (-1, 0, 1)]
+                activity += size[k[1]] + 2 * size[k[2]] + size[k[3]]
+            octave = (activity + 1).bit_length() - 1
+            residual = coded.next(2 * octave + (2 * (activity + 1) >> octave) % 2)
+            size[i] = min(abs(residual), 1 << 20)
+            u[i] = wrap(curve[i] + (2048 + sum(w * d for w, d in zip(weights, near)) >> 12) + residual)
+
+    @staticmethod
+    def read_plain(u, curve, mode, residuals, starts, neighbours):
         for i, residual in residuals:
-            start = starts[i]
-            j, first, end = neighbours[i]
-            if mode == 0:
-                near = [i - n if i - n >= start else None for n in (1, 2, 3, 4)]
-                near += [n if j is not None and first <= n < end else None for n in ((j, j + 1, j - 1) if j is not None else ())]
-                total = sum(weight * (u[n] - curve[n]) for weight, n in zip(weights, near) if n is not None)
-                guess = curve[i] + (2048 + total) // 4096
-            elif mode == 1 or mode == 2 and i - 2 < start:
+            j = neighbours[i][0]
+            if mode == 1 or mode == 2 and i - 2 < starts[i]:
                 guess = u[i - 1]
             elif mode == 2:
                 guess = 2 * u[i - 1] - u[i - 2]
             else:
                 guess = curve[i] if j is None else u[j]
-            u[i] = guess + residual
+            u[i] = wrap(guess + residual)
 
 
 # Values
@@ -438,8 +674,7 @@ class Recording:
 
     def value(self, group, axis, i):
         """A Fraction, or a float when the recording keeps IEEE values."""
-        base, step, _ = group.axes[axis]
-        value = (self.origin[axis] + base + step * group.u[axis][i] + group.remainder[axis][i]) * self.resolution
+        value = (self.origin[axis] + group.count_at(axis, i)) * self.resolution
         if not group.residuals:
             return value
         return from_ordered(ordered(nearest(value, self.form), self.form) + group.ulps[axis][i], self.form)

@@ -60,6 +60,27 @@ def messy(rng, lines):
     return out
 
 
+def fan(rng, beams, lines):
+    """A sensor that turns: 180 degrees, whole centimetres, beams without an echo, some values that lie beside their beam."""
+    out = []
+    for y in range(lines):
+        line = []
+        for beam in range(beams):
+            angle, reach = math.pi * (beam / (beams - 1) - 0.5), 0.01 * (300 + (150 if beam > beams // 2 else 0) + rng.randrange(4))
+            if rng.random() > 0.05:
+                beside = 0.001 if rng.random() < 0.01 else 0
+                line.append([f"{reach * math.cos(angle):.6f}", f"{reach * math.sin(angle) + beside:.6f}", f"{y}"])
+        out.append(line)
+    return out
+
+
+def raster(rng, points, lines):
+    """Even abscissae, an edge that drifts from line to line, missing samples."""
+    return [[None if rng.random() < 0.02 else
+             [f"{0.1 * i:.1f}", f"{0.2 * y:.1f}", f"{(2 if i > points // 2 + y // 3 else 0) + 0.001 * rng.randrange(-9, 10):.3f}"]
+             for i in range(points)] for y in range(lines)]
+
+
 def floats(rng, lines, form):
     """Numbers that lie on no lattice, negative and tiny ones included."""
     special = [0.0, -0.0, 1e-30, -1e-30, 0.1, -0.1, 5.0, -5.0]
@@ -99,6 +120,9 @@ def cases(folder):
         "more-noise-later": [[[f"{j}", f"{i}", f"{(rng.randrange(-9, 10) * (200 if i > 63 else 1)) / 1000:.3f}"] for j in range(12)]
                              for i in range(200)],
         "flat": [[[f"{j}", f"{i}", "0"] for j in range(50)] for i in range(4)],
+        "fan": fan(rng, 91, 70),
+        "raster": raster(rng, 120, 66),
+        "same-again": [[[f"{j}", f"{i}", f"{j * j * 7919 % 99991}"] for j in range(300)] for i in range(20)],
     }
     for name, lines in made.items():
         yield name, ".xyz", xyz(lines), [], lines
@@ -263,8 +287,7 @@ def check_left_out(recording):
     """The headers' largest distance left out is true, and not above the tolerance; the line table has that of the end points."""
     scale = float(recording.resolution * MM[recording.facts["unit"]])
     for group in recording.groups:
-        points = list(zip(*([base + step * u + rest for u, rest in zip(group.u[axis], group.remainder[axis])]
-                            for axis, (base, step, _) in enumerate(group.axes))))
+        points = [tuple(group.count_at(axis, i) for axis in range(3)) for i in range(group.count)]
         for header in group.headers[:recording.level_count + 1]:
             def kept(i, run, header=header):
                 return i in (run.first, run.last) or header.kind == format_reader.LEVEL and group.level[i] <= header.level

@@ -5,6 +5,7 @@
 #include "pipeline/model/scan_line.hpp"
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <random>
@@ -112,6 +113,53 @@ inline LineBuffer make_line(Random& random, std::size_t max_runs, std::size_t ma
   if (random() % 2 == 0) line.stamps.encoder = pick(random, -1000, 1000);
   if (random() % 4 == 0) line.plane = {0.5, -0.25, 12.125};
   return line;
+}
+
+/// Groups with what the codec treats apart; each has enough points for it.
+enum class Special : int {
+  fan,     ///< a sensor that turns: whole range steps on few directions, some beams without an echo
+  raster,  ///< even abscissae, gaps of invalid samples, edges that drift from line to line
+  repeats, ///< random, but the same again in every line
+  specials
+};
+
+inline LineGroup make_special(Random& random, Special special, std::size_t lines, std::size_t points) {
+  LineGroup group;
+  const double turn = 3.0 / static_cast<double>(points);
+  const auto step = pick(random, 1, 3) * 500;
+  std::vector<std::int32_t> repeated;
+  for (std::size_t i = 0; i < points; ++i) repeated.push_back(static_cast<std::int32_t>(pick(random, -1000000000, 1000000000)));
+  for (std::size_t l = 0; l < lines; ++l) {
+    LineBuffer line;
+    std::uint32_t invalid = 0;
+    for (std::size_t i = 0; i < points; ++i) {
+      if (special != Special::repeats && random() % 40 == 0) {
+        ++invalid;
+        continue;
+      }
+      const bool joins = special == Special::fan || invalid == 0;
+      if (line.runs.empty() || !joins) line.runs.push_back({static_cast<std::uint32_t>(line.points()), 0, invalid});
+      invalid = special == Special::fan ? invalid : 0;
+      ++line.runs.back().count;
+      const auto along = static_cast<std::int32_t>(i);
+      const auto y = static_cast<std::int32_t>(l * 100);
+      const auto edge = along + static_cast<std::int32_t>(l / 3) > static_cast<std::int32_t>(points / 2) ? 5000 : 0;
+      const auto noise = static_cast<std::int32_t>(pick(random, -5, 5));
+      std::array<std::int32_t, 3> p{along * 100, y, edge + along * along / 40 + noise};
+      if (special == Special::fan) {
+        const auto range = static_cast<double>(step * (200 + edge / 50 + noise));
+        p = {static_cast<std::int32_t>(std::llround(range * std::cos(turn * along))), y,
+             static_cast<std::int32_t>(std::llround(range * std::sin(turn * along)))};
+      } else if (special == Special::repeats) {
+        p = {along * 100, y, repeated[i]};
+      }
+      for (std::size_t axis = 0; axis < 3; ++axis) line.xyz[axis].push_back(p[axis]);
+    }
+    line.invalid_after = special == Special::fan ? 0 : invalid;
+    if (!line.runs.empty() && special == Special::fan) line.runs.front().invalid_before = 0;
+    append_line(group, l, line);
+  }
+  return group;
 }
 
 } // namespace scansion::test

@@ -57,5 +57,40 @@ TEST(AxisScale, ExtremesFit) {
   }
 }
 
+TEST(AxisScale, EvenRunsAreFound) {
+  std::vector<std::int32_t> scratch;
+  const std::vector<scansion::Run> runs{{0, 3, 0}, {3, 1, 0}, {4, 4, 2}};
+  const std::vector<std::int32_t> even{100, 200, 300, 7000, 50, 0, -50, -100};
+  AxisScale scale = find_scale(even, runs, scratch);
+  EXPECT_TRUE(scale.even);
+  EXPECT_EQ(scale.step, 50U);
+  std::vector<std::int32_t> u(even.size());
+  to_steps(even, scale, u);
+  for (std::size_t i = 0; i < even.size(); ++i) EXPECT_EQ(scale.base + static_cast<std::int32_t>(scale.step) * u[i], even[i]);
+  for (std::size_t i = 0; i < even.size(); ++i) {
+    std::vector<std::int32_t> bent = even;
+    ++bent[i];
+    EXPECT_EQ(find_scale(bent, runs, scratch).even, i == 3) << i; // a single point is always even
+  }
+  // Steps that wrap around 32 bits are not even.
+  constexpr std::int32_t low = std::numeric_limits<std::int32_t>::min();
+  EXPECT_FALSE(
+      find_scale(std::vector<std::int32_t>{0, 2000000000, low + 1705032704}, std::vector<scansion::Run>{{0, 3, 0}}, scratch)
+          .even);
+}
+
+TEST(AxisScale, StepsAreTheSameAsByDivision) {
+  std::mt19937 random(3);
+  for (int round = 0; round < 300; ++round) {
+    const auto step = static_cast<std::int32_t>(1 + random() % (round % 2 == 0 ? 1000 : 100000000));
+    std::vector<std::int32_t> values;
+    for (int i = 0; i < 50; ++i) values.push_back(static_cast<std::int32_t>(random()) / step * step + 17 % step);
+    const AxisScale scale = find_scale(values);
+    std::vector<std::int32_t> u(values.size());
+    to_steps(values, scale, u);
+    for (std::size_t i = 0; i < values.size(); ++i) ASSERT_EQ(u[i], scale.steps(values[i]));
+  }
+}
+
 } // namespace
 } // namespace scansion

@@ -1,0 +1,175 @@
+// Sensors that turn. Only square roots, divisions and sums of doubles: every machine finds the same fan.
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/codec/fan.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace scansion {
+namespace {
+
+constexpr std::size_t kLeastPoints = 512;
+constexpr std::size_t kLeastDirections = 8;
+constexpr unsigned kMaxShift = 30;
+constexpr unsigned kTurnBits = 30;
+
+double length(std::int32_t x, std::int32_t y) noexcept {
+  return std::sqrt(static_cast<double>(x) * x + static_cast<double>(y) * y);
+}
+
+// Counts a range step, 0 for none: of the round numbers the largest that nearly all ranges are multiples of.
+double range_step(std::span<const std::int32_t> x, std::span<const std::int32_t> y) noexcept {
+  constexpr std::size_t kSample = 512;
+  const std::size_t stride = std::max<std::size_t>(1, x.size() / kSample);
+  for (double decade = 1e6; decade >= 10; decade /= 10)
+    for (const double step : {decade, decade / 2, decade / 4, decade / 5}) {
+      if (step < 10) break;
+      std::size_t all = 0;
+      std::size_t near = 0;
+      for (std::size_t i = 0; i < x.size(); i += stride, ++all) {
+        const double r = length(x[i], y[i]);
+        // Rounding to whole counts moves a range by less than one; a range of a few steps says nothing.
+        near += r >= 8 * step && std::abs(r - step * std::round(r / step)) <= 1.0 ? 1U : 0U;
+        if (near + 32 < all - all / 16) break;
+      }
+      if (16 * near >= 15 * all) return step;
+    }
+  return 0;
+}
+
+std::int64_t predict(std::int64_t turn, std::int64_t one_before, std::int64_t two_before) noexcept {
+  const auto product = static_cast<std::int64_t>(static_cast<std::uint64_t>(turn) * static_cast<std::uint64_t>(one_before));
+  return static_cast<std::int64_t>(static_cast<std::uint64_t>(product >> kTurnBits) - static_cast<std::uint64_t>(two_before));
+}
+
+} // namespace
+
+// Points by angle, cut into directions.
+bool FanFinder::sort_out(std::span<const std::int32_t> x, std::span<const std::int32_t> y) {
+  points_.clear();
+  for (std::uint32_t i = 0; i < x.size(); ++i) {
+    const double size = std::abs(static_cast<double>(x[i])) + std::abs(static_cast<double>(y[i]));
+    if (size == 0) return false;
+    const double part = y[i] / size;
+    points_.push_back({x[i] >= 0 ? part : (y[i] >= 0 ? 2 - part : -2 - part), size, i});
+  }
+  std::ranges::sort(points_,
+                    [](const Point& a, const Point& b) { return a.turn != b.turn ? a.turn < b.turn : a.index < b.index; });
+  starts_.assign(1, 0);
+  constexpr double kCounts = 4; // two points of one direction are never farther apart
+  for (std::uint32_t p = 1; p < points_.size(); ++p)
+    if (points_[p].turn - points_[p - 1].turn > kCounts / std::min(points_[p].size, points_[p - 1].size)) starts_.push_back(p);
+  const std::size_t count = starts_.size();
+  starts_.push_back(static_cast<std::uint32_t>(points_.size()));
+  return count >= kLeastDirections && count <= kMaxDirections && count * 8 <= points_.size();
+}
+
+// For each direction the vector of one range step that makes all its points come out right, if there is one.
+bool FanFinder::fit(std::span<const std::int32_t> x, std::span<const std::int32_t> y, Fan& fan) {
+  std::int32_t longest = 0;
+  ranges.resize(x.size());
+  directions.resize(x.size());
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    ranges[i] = static_cast<std::int32_t>(std::lround(length(x[i], y[i]) / step_));
+    longest = std::max(longest, ranges[i]);
+  }
+  constexpr unsigned kSpareBits = 6;
+  fan.shift =
+      std::min<unsigned>(kMaxShift, static_cast<unsigned>(std::bit_width(static_cast<std::uint32_t>(longest))) + kSpareBits);
+  fan.directions.resize(starts_.size() - 1);
+  const double unit = static_cast<double>(std::int64_t{1} << fan.shift);
+  for (std::size_t d = 0; d + 1 < starts_.size(); ++d) {
+    for (const std::size_t part : {0U, 1U}) {
+      const auto v = part == 0 ? x : y;
+      double low = -1e300;
+      double high = 1e300;
+      double best = 0;
+      std::int32_t best_range = 0;
+      for (std::uint32_t p = starts_[d]; p < starts_[d + 1]; ++p) {
+        const std::uint32_t i = points_[p].index;
+        const std::int32_t n = ranges[i];
+        directions[i] = static_cast<std::int32_t>(d);
+        if (n <= 0) continue;
+        low = std::max(low, (v[i] - 0.5) / n);
+        high = std::min(high, (v[i] + 0.5) / n);
+        if (n > best_range) {
+          best_range = n;
+          best = static_cast<double>(v[i]) / n;
+        }
+      }
+      fan.directions[d][part] = std::llround((low < high ? low + (high - low) / 2 : best) * unit);
+    }
+  }
+  std::size_t right = 0;
+  for (std::size_t i = 0; i < x.size(); ++i)
+    right +=
+        fan.coordinate(0, directions[i], ranges[i]) == x[i] && fan.coordinate(1, directions[i], ranges[i]) == y[i] ? 1U : 0U;
+  return 4 * right >= 3 * x.size();
+}
+
+// Directions that follow each other at equal angles satisfy next = 2 cos(angle) * this - before: the median says the angle.
+void FanFinder::find_turn(Fan& fan) {
+  turns_.clear();
+  for (std::size_t d = 1; d + 1 < fan.directions.size(); ++d) {
+    const auto part = [&](std::size_t k, std::size_t p) { return static_cast<double>(fan.directions[k][p]); };
+    const double dot = part(d, 0) * (part(d - 1, 0) + part(d + 1, 0)) + part(d, 1) * (part(d - 1, 1) + part(d + 1, 1));
+    const double square = part(d, 0) * part(d, 0) + part(d, 1) * part(d, 1);
+    turns_.push_back(square > 0 ? dot / square : 2.0);
+  }
+  const auto middle = turns_.begin() + static_cast<std::ptrdiff_t>(turns_.size() / 2);
+  std::ranges::nth_element(turns_, middle);
+  fan.turn = std::llround(std::clamp(*middle, -2.0, 2.0) * static_cast<double>(1U << kTurnBits));
+}
+
+void FanFinder::find(std::span<const std::int32_t> x, std::span<const std::int32_t> y, Fan& fan) {
+  fan.clear();
+  if (x.size() < kLeastPoints) return;
+  step_ = range_step(x, y);
+  if (step_ == 0 || !sort_out(x, y) || !fit(x, y, fan))
+    fan.clear();
+  else
+    find_turn(fan);
+}
+
+void write_fan(const Fan& fan, Bytes& to) {
+  to.push_back(static_cast<std::byte>(fan.range_axis | fan.direction_axis << 2U));
+  to.push_back(static_cast<std::byte>(fan.shift));
+  put_varint(to, fan.directions.size());
+  put_signed(to, fan.turn);
+  std::array<std::int64_t, 2> before{};
+  std::array<std::int64_t, 2> two_before{};
+  for (const auto& d : fan.directions) {
+    for (const std::size_t part : {0U, 1U})
+      put_signed(to, static_cast<std::int64_t>(static_cast<std::uint64_t>(d[part]) -
+                                               static_cast<std::uint64_t>(predict(fan.turn, before[part], two_before[part]))));
+    two_before = before;
+    before = d;
+  }
+}
+
+Result<void> read_fan(ByteReader& from, std::size_t limit, Fan& fan) {
+  const std::uint8_t axes = from.byte();
+  fan.range_axis = axes & 3U;
+  fan.direction_axis = axes >> 2U;
+  fan.shift = from.byte();
+  const std::uint64_t count = from.varint();
+  fan.turn = from.signed_varint();
+  if (!from.ok() || fan.range_axis > 2 || fan.direction_axis > 2 || fan.range_axis == fan.direction_axis ||
+      fan.shift > kMaxShift || count == 0 || count > std::min(limit, kMaxDirections))
+    return fail(Errc::damaged, "the line table has an impossible fan");
+  fan.directions.resize(static_cast<std::size_t>(count));
+  std::array<std::int64_t, 2> before{};
+  std::array<std::int64_t, 2> two_before{};
+  for (auto& d : fan.directions) {
+    for (const std::size_t part : {0U, 1U})
+      d[part] = static_cast<std::int64_t>(static_cast<std::uint64_t>(from.signed_varint()) +
+                                          static_cast<std::uint64_t>(predict(fan.turn, before[part], two_before[part])));
+    two_before = before;
+    before = d;
+  }
+  if (!from.ok()) return fail(Errc::damaged, "the line table is cut short");
+  return success();
+}
+
+} // namespace scansion

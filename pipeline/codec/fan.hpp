@@ -1,0 +1,64 @@
+// Sensors that turn: every point lies on one of a few directions from the origin, at a whole number of range steps. Two axes of
+// such a group hold range and direction in place of the coordinates (docs/FORMAT.md, "Fans").
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "pipeline/codec/varint.hpp"
+#include "pipeline/model/scan_line.hpp"
+
+#include <array>
+#include <span>
+#include <vector>
+
+namespace scansion {
+
+inline constexpr std::size_t kMaxDirections = 1U << 16U;
+
+struct Fan {
+  std::size_t range_axis = 0;     ///< the axis that holds ranges; its coordinate comes from the first part of a direction
+  std::size_t direction_axis = 1; ///< the axis that holds indexes of directions
+  unsigned shift = 0;
+  std::int64_t turn = 0;                               ///< 2^31 times the cosine of the usual angle between directions
+  std::vector<std::array<std::int64_t, 2>> directions; ///< counts a range step, in units of 2^-shift
+
+  [[nodiscard]] bool empty() const noexcept { return directions.empty(); }
+  void clear() noexcept { directions.clear(); }
+  /// Coordinate `part` (0: of the range axis) of a range on a direction, which must exist.
+  [[nodiscard]] std::int32_t coordinate(std::size_t part, std::int32_t direction, std::int32_t range) const noexcept {
+    const auto product = static_cast<std::uint64_t>(directions[static_cast<std::size_t>(direction)][part]) *
+                         static_cast<std::uint64_t>(std::int64_t{range});
+    const std::uint64_t half = (std::uint64_t{1} << shift) >> 1U;
+    return static_cast<std::int32_t>(static_cast<std::int64_t>(product + half) >> shift);
+  }
+};
+
+/// Looks for a fan in a group. One object, one thread; memory is used again.
+class FanFinder {
+public:
+  /// Fills `fan` and, per point, its range and direction; leaves `fan` empty when the points are no fan.
+  void find(std::span<const std::int32_t> x, std::span<const std::int32_t> y, Fan& fan);
+
+  std::vector<std::int32_t> ranges, directions;
+
+private:
+  struct Point {
+    double turn; ///< grows with the angle
+    double size;
+    std::uint32_t index;
+  };
+  [[nodiscard]] bool sort_out(std::span<const std::int32_t> x, std::span<const std::int32_t> y);
+  [[nodiscard]] bool fit(std::span<const std::int32_t> x, std::span<const std::int32_t> y, Fan& fan);
+
+  void find_turn(Fan& fan);
+
+  double step_ = 0; ///< counts a range step
+  std::vector<double> turns_;
+  std::vector<Point> points_;
+  std::vector<std::uint32_t> starts_; ///< of the directions in points_, and the end
+};
+
+void write_fan(const Fan& fan, Bytes& to);
+/// `limit`: the most directions it may have.
+[[nodiscard]] Result<void> read_fan(ByteReader& from, std::size_t limit, Fan& fan);
+
+} // namespace scansion

@@ -1,0 +1,54 @@
+// The inner loops of the codec that vector units like: no branch, no dependence from point to point. Each is compiled for the
+// baseline and, where it pays, again for AVX2; all are integer arithmetic, so the results are the same.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace scansion::kernels {
+
+/// to[i] = a[i] - b[i], modulo 2^32.
+void subtract(const std::int32_t* a, const std::int32_t* b, std::int32_t* to, std::size_t n) noexcept;
+/// to[i] = base + step * u[i], modulo 2^32.
+void from_steps(const std::int32_t* u, std::uint32_t base, std::uint32_t step, std::int32_t* to, std::size_t n) noexcept;
+/// to[i] = first + step * i, modulo 2^32.
+void ramp(std::uint32_t first, std::uint32_t step, std::int32_t* to, std::size_t n) noexcept;
+
+/// Points of one line whose neighbours lie side by side in the line before; each pointer is at the first point or its
+/// neighbour.
+struct Above {
+  const std::int32_t* deviation;
+  const std::int32_t* value;
+  const std::int32_t* size;
+};
+/// sum[i] = weights (five for deviations beside, three for values beside against the chord here) times what they weigh;
+/// size[i] = 1, 2, 1 times the sizes beside. Reads two points over either end of `above`, one over the ends of `chord`.
+void weigh_above(const std::int16_t* weights, const Above& above, const std::int32_t* chord, std::int64_t* sum,
+                 std::int32_t* size, std::size_t n) noexcept;
+
+/// residual[i] = deviation[i] - ((sum[i] + weights times the six deviations to the left + 2048) >> 12), modulo 2^32.
+void residuals(const std::int16_t* weights, const std::int32_t* deviation, const std::int64_t* sum, std::int32_t* residual,
+               std::size_t n) noexcept;
+
+/// normal[i][j] += x[i] * factor * x[j] for `rows` rows of 16. Multiplies and adds apart, so every machine rounds alike.
+void add_products(const double* x, double factor, double* normal, std::size_t rows) noexcept;
+
+/// size[i] = min(|residual[i]|, limit).
+void sizes(const std::int32_t* residual, std::uint32_t limit, std::int32_t* size, std::size_t n) noexcept;
+
+/// context[i] from size[i - 1], size[i - 2] and above[i]: rest_context().
+void contexts(const std::int32_t* size, const std::int32_t* above, bool has_above, std::uint8_t* context,
+              std::size_t n) noexcept;
+
+/// The baseline versions, for tests.
+namespace portable {
+void weigh_above(const std::int16_t* weights, const Above& above, const std::int32_t* chord, std::int64_t* sum,
+                 std::int32_t* size, std::size_t n) noexcept;
+void residuals(const std::int16_t* weights, const std::int32_t* deviation, const std::int64_t* sum, std::int32_t* residual,
+               std::size_t n) noexcept;
+void contexts(const std::int32_t* size, const std::int32_t* above, bool has_above, std::uint8_t* context,
+              std::size_t n) noexcept;
+} // namespace portable
+
+} // namespace scansion::kernels

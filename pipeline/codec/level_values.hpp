@@ -1,0 +1,114 @@
+// Coordinates of the vertices of one level, predicted from coarser levels and the line before (docs/FORMAT.md, "Level").
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "pipeline/codec/group_state.hpp"
+
+#include <algorithm>
+#include <bit>
+
+namespace scansion {
+
+/// How the coordinates of one axis are predicted in a level; stored in the payload.
+enum class LevelMode : std::uint8_t {
+  chord = 0, ///< on the chord between the known neighbours
+  left = 1,  ///< the value of the left neighbour
+  bend = 2,  ///< on the chord, plus what the line before bends away from its own chord over the same points
+  rise = 3,  ///< the value of the left neighbour, plus what the line before rises from there
+};
+inline constexpr std::size_t kLevelModes = 4;
+using LevelGuess = std::array<std::int32_t, kLevelModes>;
+
+// Contexts: end points, runs without one above, then by the size of the bend, apart for vertices that go on.
+inline constexpr std::uint32_t kEndContext = 0;
+inline constexpr std::uint32_t kNothingAbove = 1;
+inline constexpr std::uint32_t kBends = 2;
+inline constexpr std::uint32_t kBendSizes = 20;
+
+/// The polyline of a level at any point of a run.
+class Curve {
+public:
+  Curve(const GroupState& s, std::size_t axis) noexcept : s_(s), u_(s.u[axis]) {}
+  [[nodiscard]] std::int64_t at(const RunAbove& run, PointIndex i) noexcept {
+    const auto begin = s_.vertices.begin() + s_.run_vertices[run.run];
+    const auto end = s_.vertices.begin() + s_.run_vertices[run.run + 1];
+    const auto right = std::lower_bound(begin, end, i);
+    if (*right == i) return u_[i];
+    return between(u_[*(right - 1)], u_[*right], i, *(right - 1), *right);
+  }
+
+private:
+  const GroupState& s_;
+  const std::vector<std::int32_t>& u_;
+};
+
+/// Visits the first and last points of all runs on an even axis: a run is expected to begin where the one before does and to go
+/// on in its steps. `code(point, guess, context)` must make u[point] true before it returns.
+template <class Code>
+void visit_even_ends(std::span<const Run> runs, std::span<const std::int32_t> u, Code&& code) {
+  std::int32_t first = 0;
+  std::int64_t step = 0;
+  for (const Run& run : runs) {
+    code(run.first, first, 0U);
+    first = u[run.first];
+    if (run.count < 2) continue;
+    code(run.first + run.count - 1, wrap(first + step * (run.count - 1)), 1U);
+    step = even_step(run, u);
+  }
+}
+
+/// Visits the points of a level in coding order, for one axis that is not even. `code(point, guess, context)` must make
+/// u[axis][point] true before it returns.
+template <class Code>
+void visit_level(const GroupState& s, std::span<const Run> runs, std::size_t axis, bool coarsest, Code&& code) {
+  const auto& u = s.u[axis];
+  Curve curve(s, axis);
+  std::size_t f = 0;
+  for (std::size_t r = 0; r < runs.size(); ++r) {
+    const PointIndex first = runs[r].first;
+    const PointIndex last = first + runs[r].count - 1;
+    const RunAbove& above = s.above[r];
+    if (coarsest) {
+      LevelGuess guess;
+      guess.fill(above.exists ? u[above.first] : r == 0 ? 0 : u[runs[r - 1].first]);
+      code(first, guess, kEndContext);
+      guess.fill(above.exists ? u[above.last] : u[first]);
+      if (last != first) code(last, guess, kEndContext);
+    }
+    PointIndex right = first;
+    std::int64_t right_above = 0;
+    std::size_t v = s.run_vertices[r] + 1; // the vertex to come
+    for (; f < s.fresh.size() && s.fresh[f].point < last; ++f, ++v) {
+      const Fresh& at = s.fresh[f];
+      while (s.vertices[v] != at.point) ++v;
+      const PointIndex left = s.vertices[v - 1];
+      if (right <= at.point) {
+        // The next vertex that a coarser level holds; in lod0 the end of the run.
+        std::size_t w = v + 1;
+        while (s.added[w] != 0) ++w;
+        right = s.vertices[w];
+        if (above.exists) right_above = curve.at(above, s.beside[right]);
+      }
+      const std::int64_t straight = between(u[left], u[right], at.point, left, right);
+      LevelGuess guess;
+      guess.fill(wrap(straight));
+      guess[1] = u[left];
+      std::uint32_t context = kNothingAbove;
+      if (above.exists) {
+        const PointIndex l = s.beside[left];
+        const PointIndex b = s.beside[right];
+        const PointIndex i = s.beside[at.point];
+        const std::int64_t here = curve.at(above, i);
+        const std::int64_t left_above = curve.at(above, l);
+        const std::int64_t bend = l < i && i < b ? here - between(left_above, right_above, i, l, b) : 0;
+        guess[2] = wrap(straight + bend);
+        guess[3] = wrap(u[left] + here - left_above);
+        const auto size = static_cast<std::uint32_t>(std::bit_width(static_cast<std::uint64_t>(bend < 0 ? -bend : bend)));
+        context = kBends + (at.matched ? kBendSizes : 0) + std::min(size, kBendSizes - 1);
+      }
+      code(at.point, guess, context);
+    }
+  }
+}
+
+} // namespace scansion

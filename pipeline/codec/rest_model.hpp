@@ -1,0 +1,95 @@
+// How the points that are in no level are predicted: from the polyline, the points to the left and the line before
+// (docs/FORMAT.md, "Rest").
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "pipeline/codec/group_state.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cstdlib>
+
+namespace scansion {
+
+/// How one axis is predicted in the rest; stored in the payload.
+enum class RestMode : std::uint8_t {
+  fitted = 0, ///< chord + weighted deviations of neighbours
+  left = 1,   ///< the value of the point before
+  slope = 2,  ///< straight on from the two points before
+  above = 3,  ///< the value of the point beside it in the line before
+};
+inline constexpr std::size_t kRestModes = 4;
+
+/// Deviations that the fitted mode weighs: points to the left from their own chord, points beside in the line before from
+/// their own chord, and again points beside from the chord here.
+inline constexpr std::size_t kLeft = 6;
+inline constexpr std::size_t kBeside = 5;
+inline constexpr std::size_t kAcross = 3;
+inline constexpr std::size_t kWeights = kLeft + kBeside + kAcross;
+inline constexpr unsigned kWeightBits = 12;
+using Weights = std::array<std::int16_t, kWeights>; ///< in units of 2^-kWeightBits
+
+inline constexpr std::uint32_t kLargestSize = 1U << 20U;
+[[nodiscard]] inline std::int32_t size_of(std::int32_t residual) noexcept {
+  const std::uint32_t size = residual < 0 ? 0U - static_cast<std::uint32_t>(residual) : static_cast<std::uint32_t>(residual);
+  return static_cast<std::int32_t>(std::min(size, kLargestSize));
+}
+
+/// Context of a residual: the logarithm, in half octaves, of the sizes of residuals nearby.
+[[nodiscard]] inline std::uint32_t rest_context(std::int32_t size1, std::int32_t size2, std::int32_t beside,
+                                                bool has_above) noexcept {
+  const auto left = static_cast<std::uint32_t>(2 * size1 + size2);
+  const std::uint32_t sum = (has_above ? left + static_cast<std::uint32_t>(beside) : 2 * left) + 1;
+  const auto octave = static_cast<std::uint32_t>(std::bit_width(sum)) - 1;
+  return 2 * octave + ((2 * sum >> octave) & 1U);
+}
+
+/// Writes the polyline through the values at `vertices` (first and last point of every run among them) into `chord`.
+void fill_chord(std::span<const PointIndex> vertices, std::span<const std::int32_t> u, std::span<std::int32_t> chord) noexcept;
+
+/// A line with points, and the last one before it that has some.
+struct RestLine {
+  PointIndex first = 0, end = 0;
+  bool has_above = false;
+  PointIndex above_first = 0, above_end = 0;
+  bool straight = false; ///< the neighbour of point i is i + shift, held at the ends of the line before
+  std::int64_t shift = 0;
+};
+
+/// The lines of a group and, for each point, its neighbour in the line before: the one whose chord is nearest on the axis along
+/// which lines run, found by walking on from the last one.
+struct Neighbours {
+  std::vector<RestLine> lines;
+  std::vector<PointIndex> beside; ///< per point; of straight lines and the first nothing is said
+
+  /// `main`: the chord of that axis.
+  void find(const LineGroup& group, const GroupState& state, const AxisScale& scale, std::span<const std::int32_t> main);
+  [[nodiscard]] PointIndex of(const RestLine& line, PointIndex i) const noexcept {
+    if (!line.straight) return beside[i];
+    return static_cast<PointIndex>(std::clamp<std::int64_t>(i + line.shift, line.above_first, line.above_end - 1));
+  }
+};
+
+/// One axis of a group in the rest, as far as it is known.
+struct RestAxis {
+  std::vector<std::int32_t> chord;
+  std::vector<std::int32_t> deviation; ///< u - chord
+  std::vector<std::int32_t> size;      ///< of residuals; 0 for vertices
+  std::vector<std::int64_t> above_sum; ///< of the line at hand, by place in it
+  std::vector<std::int32_t> above_size;
+
+  void resize(std::size_t points) {
+    chord.resize(points);
+    deviation.resize(points);
+    size.resize(points);
+  }
+  /// What the line before adds to the weighted sum of each point, and the sizes of residuals there.
+  void weigh_above(const RestLine& line, const Neighbours& neighbours, std::span<const std::int32_t> u, const Weights& weights);
+};
+
+/// The deviations of one point in the order of their weights.
+[[nodiscard]] std::array<std::int32_t, kWeights> deviations_of(const RestAxis& axis, std::span<const std::int32_t> u,
+                                                               const Neighbours& neighbours, const RestLine& line,
+                                                               PointIndex run_first, PointIndex i) noexcept;
+
+} // namespace scansion

@@ -1,0 +1,204 @@
+// Arrays of residuals as rANS tokens and plain bits.
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/codec/symbols.hpp"
+
+namespace scansion {
+namespace {
+
+void add(TokenCounts& to, const TokenCounts& counts) noexcept {
+  for (std::size_t t = 0; t < kTokens; ++t) to[t] += counts[t];
+}
+
+std::uint64_t cost_of_both(const TokenCounts& a, const TokenCounts& b) noexcept {
+  TokenCounts both = a;
+  add(both, b);
+  return coded_cost(both);
+}
+
+} // namespace
+
+void SymbolWriter::clear() noexcept {
+  symbols_.clear();
+  for (; used_ != 0; used_ &= used_ - 1) counts_[static_cast<std::size_t>(std::countr_zero(used_))].fill(0);
+  tables_chosen_ = 0;
+}
+
+// Contexts stand in the order of growing residuals. Neighbours share a table where that is cheaper than two tables.
+void SymbolWriter::choose_tables() {
+  struct Span {
+    std::size_t end;         // contexts of the table end here
+    std::uint64_t cost;      // of the table and its tokens
+    std::uint64_t with_next; // of one table for this and the next
+  };
+  std::array<Span, kMaxContexts> spans;
+  std::size_t n = 0;
+  for (std::uint64_t used = used_; used != 0; used &= used - 1) {
+    const auto c = static_cast<std::size_t>(std::countr_zero(used));
+    const std::uint64_t cost = coded_cost(counts_[c]);
+    merged_[n] = counts_[c];
+    spans[n++] = {c + 1, cost, 0};
+  }
+  for (std::size_t s = 0; s + 1 < n; ++s) spans[s].with_next = cost_of_both(merged_[s], merged_[s + 1]);
+  while (n > 1) {
+    std::size_t best = 0;
+    std::int64_t best_gain = std::numeric_limits<std::int64_t>::min();
+    for (std::size_t s = 0; s + 1 < n; ++s) {
+      const auto gain = static_cast<std::int64_t>(spans[s].cost + spans[s + 1].cost - spans[s].with_next);
+      if (gain > best_gain) {
+        best = s;
+        best_gain = gain;
+      }
+    }
+    if (best_gain < 0 && n <= kMaxTables) break;
+    add(merged_[best], merged_[best + 1]);
+    spans[best] = {spans[best + 1].end, spans[best].with_next, 0};
+    for (std::size_t s = best + 1; s + 1 < n; ++s) {
+      spans[s] = spans[s + 1];
+      merged_[s] = merged_[s + 1];
+    }
+    --n;
+    if (best + 1 < n) spans[best].with_next = cost_of_both(merged_[best], merged_[best + 1]);
+    if (best > 0) spans[best - 1].with_next = cost_of_both(merged_[best - 1], merged_[best]);
+  }
+  cost_ = 0;
+  std::size_t context = 0;
+  for (std::size_t s = 0; s < n; ++s) cost_ += spans[s].cost;
+  for (std::size_t s = 0; s < n; ++s)
+    while (context < spans[s].end) table_of_[context++] = static_cast<std::uint8_t>(s);
+  while (context < kMaxContexts) table_of_[context++] = static_cast<std::uint8_t>(n - 1);
+  tables_chosen_ = n;
+}
+
+void SymbolWriter::put(std::span<const std::int32_t> values, std::span<const std::uint8_t> contexts) {
+  const std::size_t from = symbols_.size();
+  symbols_.resize(from + values.size());
+  Symbol* to = symbols_.data() + from;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const std::uint32_t folded = fold(values[i]);
+    const std::uint32_t token = token_of(folded);
+    used_ |= std::uint64_t{1} << contexts[i];
+    to[i] = {folded, static_cast<std::uint8_t>(token), contexts[i]};
+    ++counts_[contexts[i]][token];
+  }
+}
+
+bool SymbolWriter::only_zeros() const noexcept {
+  return std::ranges::all_of(symbols_, [](const Symbol& s) { return s.token == 0; });
+}
+
+std::uint64_t SymbolWriter::estimate() {
+  if (only_zeros()) return 0;
+  choose_tables();
+  std::uint64_t cost = cost_;
+  for (const Symbol& s : symbols_) cost += std::uint64_t{kTokenRanges[s.token].bits} << kLogBits;
+  return cost >> kLogBits;
+}
+
+void SymbolWriter::write(Bytes& to) {
+  const bool zero = only_zeros();
+  if (!zero && tables_chosen_ == 0) choose_tables();
+  const std::size_t tables = zero ? 0 : tables_chosen_;
+  to.push_back(static_cast<std::byte>(tables));
+  if (zero) return;
+  std::size_t context = 0;
+  for (std::uint8_t s = 0; s + 1U < tables; ++s) {
+    while (table_of_[context] == s) ++context;
+    to.push_back(static_cast<std::byte>(context));
+  }
+  BitWriter bits(to);
+  for (std::size_t s = 0; s < tables; ++s) {
+    const Classes classes = classes_of(merged_[s]);
+    Frequencies frequencies;
+    (void)frequencies_of(classes, frequencies);
+    tables_[s].set(frequencies);
+    write_classes(classes, bits);
+  }
+  bits.flush();
+  write_symbols(to);
+}
+
+void SymbolWriter::write_symbols(Bytes& to) {
+  // Last in, first out: the reader's first token is pushed last.
+  words_.resize(2 * symbols_.size() + 4 * kRansStates);
+  std::byte* const end = words_.data() + words_.size();
+  std::byte* at = end;
+  std::array<std::uint32_t, kRansStates> states;
+  states.fill(kRansLow);
+  std::size_t n = symbols_.size();
+  const auto push = [&](std::uint32_t state) {
+    const Symbol& s = symbols_[--n];
+    return rans_push(state, tables_[table_of_[s.context]].entries[s.token], at);
+  };
+  if (n % 2 != 0) states[0] = push(states[0]);
+  while (n > 0) {
+    states[1] = push(states[1]);
+    states[0] = push(states[0]);
+  }
+  for (std::size_t s = kRansStates; s-- > 0;) store_le(at -= 4, states[s]);
+  put_varint(to, static_cast<std::uint64_t>(end - at));
+  to.insert(to.end(), at, end);
+
+  words_.clear();
+  BitWriter bits(words_);
+  for (const Symbol& s : symbols_)
+    if (s.token >= kDirectTokens) bits.put(s.folded - kTokenRanges[s.token].first, kTokenRanges[s.token].bits);
+  bits.flush();
+  put_varint(to, words_.size());
+  to.insert(to.end(), words_.begin(), words_.end());
+}
+
+SymbolReader::SymbolReader() {
+  // With the whole total its only token leaves every state as it is.
+  Frequencies all{};
+  all[0] = kTotal;
+  zero_.set(all);
+}
+
+Result<void> SymbolReader::begin(ByteReader& from) {
+  const std::size_t tables = from.byte();
+  if (!from.ok() || tables > kMaxTables) return fail(Errc::damaged, "coded integers have an impossible number of tables");
+  ByteView words;
+  ByteView plain;
+  if (tables == 0) {
+    table_of_.fill(&zero_);
+    words_.assign(4 * kRansStates, std::byte{});
+    for (std::size_t s = 0; s < kRansStates; ++s) store_le(words_.data() + 4 * s, kRansLow);
+    words = words_;
+  } else {
+    table_of_.fill(&tables_[tables - 1]);
+    std::size_t context = 0;
+    for (std::size_t s = 0; s + 1 < tables; ++s) {
+      const std::size_t end = from.byte();
+      if (end <= context || end >= kMaxContexts) return fail(Errc::damaged, "coded integers have an impossible table");
+      while (context < end) table_of_[context++] = &tables_[s];
+    }
+    BitReader bits(from.rest());
+    for (std::size_t s = 0; s < tables; ++s) {
+      Classes classes;
+      Frequencies frequencies;
+      if (!read_classes(bits, classes) || !frequencies_of(classes, frequencies))
+        return fail(Errc::damaged, "coded integers have an impossible table");
+      tables_[s].set(frequencies);
+    }
+    (void)from.bytes(from.left() - bits.untouched().size());
+    words = from.bytes(from.varint());
+    plain = from.bytes(from.varint());
+  }
+  if (!from.ok() || words.size() < 4 * kRansStates || words.size() % 2 != 0)
+    return fail(Errc::damaged, "coded integers are cut short");
+  if (tables != 0) words_.assign(words.begin(), words.end());
+  words_.resize(words_.size() + 2);
+  cursor_.tables_ = table_of_.data();
+  cursor_.state_ = load_le<std::uint32_t>(words_.data());
+  cursor_.other_ = load_le<std::uint32_t>(words_.data() + 4);
+  cursor_.next_ = words_.data() + 4 * kRansStates;
+  cursor_.end_ = words_.data() + words_.size() - 2;
+  cursor_.bits_ = BitReader(plain);
+  return success();
+}
+
+bool SymbolReader::finish() const noexcept {
+  return cursor_.next_ == cursor_.end_ && cursor_.bits_.at_end() && cursor_.state_ == kRansLow && cursor_.other_ == kRansLow;
+}
+
+} // namespace scansion

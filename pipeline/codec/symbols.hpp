@@ -1,0 +1,100 @@
+// Arrays of residuals, each with a context that both sides know, as rANS tokens and plain bits (docs/FORMAT.md, "Coded").
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "pipeline/codec/rans.hpp"
+#include "pipeline/codec/varint.hpp"
+
+namespace scansion {
+
+inline constexpr std::size_t kMaxContexts = 48;
+inline constexpr std::size_t kMaxTables = 12;
+
+/// Collects residuals front to back, then writes them. One object, one thread; memory is used again.
+class SymbolWriter {
+public:
+  void clear() noexcept;
+  void put(std::int32_t value, std::uint32_t context) {
+    const std::uint32_t folded = fold(value);
+    const std::uint32_t token = token_of(folded);
+    symbols_.push_back({folded, static_cast<std::uint8_t>(token), static_cast<std::uint8_t>(context)});
+    ++counts_[context][token];
+    used_ |= std::uint64_t{1} << context;
+  }
+  /// Several, one after the other.
+  void put(std::span<const std::int32_t> values, std::span<const std::uint8_t> contexts);
+  /// About how many bits write() would take, for a choice between two ways.
+  [[nodiscard]] std::uint64_t estimate();
+  /// Appends the values put since clear().
+  void write(Bytes& to);
+
+private:
+  struct Symbol {
+    std::uint32_t folded;
+    std::uint8_t token, context;
+  };
+  void choose_tables();
+  [[nodiscard]] bool only_zeros() const noexcept;
+  void write_symbols(Bytes& to);
+
+  std::vector<Symbol> symbols_;
+  std::array<TokenCounts, kMaxContexts> counts_{};
+  std::uint64_t used_ = 0;                            ///< contexts that have counts
+  std::size_t tables_chosen_ = 0;                     ///< 0: not yet
+  std::uint64_t cost_ = 0;                            ///< of tables and tokens
+  std::array<std::uint8_t, kMaxContexts> table_of_{}; ///< by context
+  std::array<TokenCounts, kMaxContexts> merged_{};
+  std::array<RansEncodeTable, kMaxTables> tables_{};
+  Bytes words_;
+};
+
+/// Reads what a SymbolWriter wrote, one value at a time. Hostile bytes give wrong values and a false finish(), nothing worse.
+class SymbolReader {
+public:
+  /// The place in the array. A copy of its own stays in registers in a loop that writes to memory.
+  class Cursor {
+  public:
+    [[nodiscard]] std::int32_t next(std::uint32_t context) noexcept {
+      const RansDecodeTable& table = *tables_[context];
+      const std::uint32_t slot = state_ & (kTotal - 1);
+      const std::uint32_t token = table.token[slot];
+      const RansDecodeTable::Entry entry = table.entries[token];
+      const std::uint32_t state = entry.frequency * (state_ >> kTotalBits) + slot - entry.start;
+      const bool low = state < kRansLow;
+      const std::uint32_t refilled = state << 16U | load_le<std::uint16_t>(next_);
+      state_ = other_;
+      other_ = low ? refilled : state;
+      next_ += low ? 2 : 0;
+      next_ = std::min(next_, end_);
+      if (token < kDirectTokens) return unfold(token);
+      const TokenRange range = kTokenRanges[token];
+      return unfold(range.first + bits_.take(range.bits));
+    }
+
+  private:
+    friend class SymbolReader;
+    const RansDecodeTable* const* tables_ = nullptr; ///< by context
+    std::uint32_t state_ = 0, other_ = 0;            ///< whose turn it is, and the other
+    const std::byte* next_ = nullptr;
+    const std::byte* end_ = nullptr; ///< two bytes may be read behind it
+    BitReader bits_;
+  };
+
+  SymbolReader();
+  /// Takes the array's bytes from `from`.
+  [[nodiscard]] Result<void> begin(ByteReader& from);
+  [[nodiscard]] std::int32_t next(std::uint32_t context) noexcept { return cursor_.next(context); }
+  [[nodiscard]] Cursor cursor() const noexcept { return cursor_; }
+  void set(const Cursor& cursor) noexcept { cursor_ = cursor; }
+  /// True when exactly the bytes given were used.
+  [[nodiscard]] bool finish() const noexcept;
+
+private:
+  std::array<RansDecodeTable, kMaxTables> tables_{};
+  RansDecodeTable zero_{}; ///< for arrays that hold nothing but 0 and have no table
+  std::array<const RansDecodeTable*, kMaxContexts> table_of_{};
+  Bytes words_;
+  Cursor cursor_;
+};
+
+} // namespace scansion

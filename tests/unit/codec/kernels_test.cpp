@@ -1,0 +1,55 @@
+// The vector versions give what the baseline gives, and contexts what their definition says.
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/codec/kernels.hpp"
+
+#include "pipeline/codec/rest_model.hpp"
+
+#include <gtest/gtest.h>
+#include <random>
+
+namespace scansion {
+namespace {
+
+template <class T>
+std::vector<T> noise(std::mt19937_64& random, std::size_t n) {
+  std::vector<T> out(n);
+  for (T& v : out) v = static_cast<T>(static_cast<T>(random()) >> (random() % (8 * sizeof(T) - 2)));
+  return out;
+}
+
+TEST(Kernels, VectorUnitsChangeNothing) {
+  std::mt19937_64 random(1);
+  for (std::size_t n = 0; n < 300; ++n) {
+    const auto weights = noise<std::int16_t>(random, 8);
+    const auto deviation = noise<std::int32_t>(random, n + 16);
+    const auto value = noise<std::int32_t>(random, n + 16);
+    const auto chord = noise<std::int32_t>(random, n + 16);
+    auto size = noise<std::int32_t>(random, n + 16);
+    for (auto& s : size) s = size_of(s);
+    const kernels::Above above{deviation.data() + 8, value.data() + 8, size.data() + 8};
+    std::vector<std::int64_t> sum(n), sum2(n);
+    std::vector<std::int32_t> beside(n), beside2(n), residual(n), residual2(n), sizes(n);
+    std::vector<std::uint8_t> context(n), context2(n);
+    kernels::weigh_above(weights.data(), above, chord.data() + 8, sum.data(), beside.data(), n);
+    kernels::portable::weigh_above(weights.data(), above, chord.data() + 8, sum2.data(), beside2.data(), n);
+    EXPECT_EQ(sum, sum2);
+    EXPECT_EQ(beside, beside2);
+    kernels::residuals(weights.data(), deviation.data() + 8, sum.data(), residual.data(), n);
+    kernels::portable::residuals(weights.data(), deviation.data() + 8, sum.data(), residual2.data(), n);
+    EXPECT_EQ(residual, residual2);
+    kernels::sizes(residual.data(), kLargestSize, sizes.data(), n);
+    for (std::size_t i = 0; i < n; ++i) ASSERT_EQ(sizes[i], size_of(residual[i]));
+    for (const bool has_above : {false, true}) {
+      kernels::contexts(size.data() + 8, beside.data(), has_above, context.data(), n);
+      kernels::portable::contexts(size.data() + 8, beside.data(), has_above, context2.data(), n);
+      EXPECT_EQ(context, context2);
+      for (std::size_t i = 0; i < n; ++i) {
+        ASSERT_EQ(context[i], rest_context(size[i + 7], size[i + 6], beside[i], has_above));
+        ASSERT_LT(context[i], 48);
+      }
+    }
+  }
+}
+
+} // namespace
+} // namespace scansion
