@@ -27,8 +27,7 @@ std::int64_t shift_between(const RunPlace& here, const RunPlace& above, const Ax
     const std::int64_t step = even_step(*here.run, u);
     if (step == 0 || step != even_step(*above.run, u)) continue;
     const std::int64_t offset = std::int64_t{u[here.run->first]} - u[above.run->first];
-    if (offset % step != 0) continue;
-    return offset / step + above.run->first - here.run->first;
+    return nearest_steps(offset, step) + above.run->first - here.run->first;
   }
   return here.first_sample - above.first_sample + above.run->first - here.run->first;
 }

@@ -78,9 +78,16 @@ struct GroupState {
   return va + quotient - (product % length < 0 ? 1 : 0);
 }
 
+/// The whole number nearest to offset / step, halves upwards; step is not 0.
+[[nodiscard]] constexpr std::int64_t nearest_steps(std::int64_t offset, std::int64_t step) noexcept {
+  const std::int64_t over = step < 0 ? -2 * offset - step : 2 * offset + step;
+  const std::int64_t under = step < 0 ? -2 * step : 2 * step;
+  return over / under - (over % under < 0 ? 1 : 0);
+}
+
 /// Finds the run above of every run: in the last line before that has points, the first run that does not end left of the
 /// middle of this one, counting samples, valid or not, from the start of the line. Where an axis is even with the same step in
-/// both, its values say the shift.
+/// both, its values say the shift, to the nearest point.
 void align_runs(const LineGroup& group, const AxisScales& scales, GroupState& state);
 
 /// Fills an even axis between the ends of its runs.

@@ -51,7 +51,7 @@ void walk(const RestLine& line, std::span<const std::int32_t> main, std::span<Po
   }
 }
 
-// Two even lines with one common step: the walk would find exactly these.
+// Two even lines with one step: the walk would find exactly these, of two points equally near the later one.
 bool is_straight(const LineGroup& group, const ScanLine& line, const GroupState& state, const AxisScale& scale,
                  std::span<const std::int32_t> main, const RestLine& at) noexcept {
   if (!scale.even || line.run_count != 1) return false;
@@ -63,7 +63,8 @@ bool is_straight(const LineGroup& group, const ScanLine& line, const GroupState&
   if (step == 0 || step != std::int64_t{main[above.first + 1]} - main[above.first]) return false;
   if (step * (run.count - 1) != std::int64_t{main[run.first + run.count - 1]} - main[run.first]) return false;
   if (step * (above.last - above.first) != std::int64_t{main[above.last]} - main[above.first]) return false;
-  return (std::int64_t{main[run.first]} - main[above.first]) == step * (std::int64_t{run.first} + above.shift - above.first);
+  const std::int64_t offset = std::int64_t{main[run.first]} - main[above.first];
+  return std::int64_t{run.first} + above.shift - above.first == nearest_steps(offset, step);
 }
 
 } // namespace

@@ -216,8 +216,8 @@ class Run:
         self.above, self.shift = above, above.first - above.sample + self.sample - self.first
         for u in evens:
             step = self.step(u)
-            if step and step == above.step(u) and (u[self.first] - u[above.first]) % step == 0:
-                self.shift = (u[self.first] - u[above.first]) // step + above.first - self.first
+            if step and step == above.step(u):
+                self.shift = (2 * (u[self.first] - u[above.first]) + step) // (2 * step) + above.first - self.first
                 break
 
 
