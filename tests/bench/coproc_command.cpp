@@ -45,23 +45,11 @@ const char* parse(std::string_view text, std::size_t lines, Request& request) {
 }
 
 void answer(const Request& request, const LineSet& set, OurRanking& ranking) {
-  std::vector<RunView> runs;
-  for (std::size_t k = 0; k < request.count; ++k) {
-    const auto more = runs_of(set.lines[request.first + k]);
-    runs.insert(runs.end(), more.begin(), more.end());
-  }
-  std::size_t kept = 0;
+  const FlatRuns flat = set.flat_runs(request.first, request.count);
   const double start = thread_ns();
-  for (const RunView& run : runs) {
-    if (request.tolerance_mm < 0.0) {
-      ranking.full(run);
-      kept += ranking.order().size();
-    } else {
-      ranking.distances(run);
-      kept += ranking.kept(request.tolerance_mm);
-    }
-  }
-  std::printf("ns %.0f kept %zu\n", thread_ns() - start, kept);
+  const std::size_t kept = ranking.full(flat, request.tolerance_mm);
+  const double spent = thread_ns() - start;
+  std::printf("ns %.0f kept %zu\n", spent, kept);
 }
 
 } // namespace

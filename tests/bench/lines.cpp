@@ -57,6 +57,17 @@ std::vector<RunView> LineSet::runs() const {
   return all;
 }
 
+FlatRuns LineSet::flat_runs(std::size_t first, std::size_t count) const {
+  FlatRuns flat;
+  for (const LineBuffer& line : std::span(lines).subspan(first, count)) {
+    for (const Run& run : line.runs)
+      flat.runs.push_back({static_cast<std::uint32_t>(flat.xyz[0].size()) + run.first, run.count, 0});
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      flat.xyz[axis].insert(flat.xyz[axis].end(), line.xyz[axis].begin(), line.xyz[axis].end());
+  }
+  return flat;
+}
+
 Result<LineSet> scene_set(const std::string& scene, std::uint32_t lines, std::uint32_t points, double noise_um) {
   SCANSION_TRY(made, make_scene(scene));
   ScanPlan plan;

@@ -5,6 +5,7 @@
 #include "pipeline/model/lattice.hpp"
 #include "pipeline/model/scan_line.hpp"
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -19,6 +20,12 @@ struct RunView {
   [[nodiscard]] std::size_t size() const noexcept { return x.size(); }
 };
 
+/// Runs of several lines as the pipeline holds them: the points of one after those of the other.
+struct FlatRuns {
+  std::array<std::vector<std::int32_t>, 3> xyz;
+  std::vector<Run> runs;
+};
+
 struct LineSet {
   std::string name;
   std::string path; ///< empty for a scene
@@ -30,6 +37,8 @@ struct LineSet {
 
   /// All runs, in line order; they point into `lines`.
   [[nodiscard]] std::vector<RunView> runs() const;
+  /// Those of lines first .. first + count - 1.
+  [[nodiscard]] FlatRuns flat_runs(std::size_t first, std::size_t count) const;
 };
 
 [[nodiscard]] std::vector<RunView> runs_of(const LineBuffer& line);

@@ -19,6 +19,9 @@ public:
   void distances(const RunView& run);
   /// The same, and the order.
   void full(const RunView& run);
+  /// The full ranking of many runs, short ones together as the pipeline does it. Returns how many points the tolerance keeps,
+  /// all of them when it is negative; only then the order is made.
+  std::size_t full(const FlatRuns& flat, double tolerance_mm = -1.0);
   /// How many points a tolerance keeps, from distances().
   [[nodiscard]] std::size_t kept(double tolerance_mm) const noexcept;
 
@@ -28,6 +31,7 @@ public:
 private:
   Ranker ranker_;
   RankSorter sorter_;
+  std::vector<Run> together_;
   std::vector<double> distance_;
   std::vector<std::uint32_t> depth_;
   std::vector<std::uint32_t> order_;

@@ -64,16 +64,6 @@ std::vector<Cell> row_of(Report& report, const std::string& name, std::size_t po
   return cells;
 }
 
-/// How many points our ranking keeps at the tolerance of the peers.
-std::size_t kept_by(OurRanking& ours, const std::vector<RunView>& runs) {
-  std::size_t kept = 0;
-  for (const RunView& run : runs) {
-    ours.distances(run);
-    kept += ours.kept(kTolerance);
-  }
-  return kept;
-}
-
 std::vector<std::string> columns(const char* peer) {
   return {"lines", "ours ns/pt", std::string(peer) + " ns/pt", "ratio", "q1", "q3", "must", "good", "mark"};
 }
@@ -84,16 +74,14 @@ void against_plain(const Options& o, const std::vector<Row>& rows, Report& repor
   for (const Row& row : rows) {
     const auto runs = row.set.runs();
     OurRanking ours(row.set.resolution_mm);
+    const FlatRuns flat = row.set.flat_runs(0, row.set.lines.size());
     const PlaneLines lines = plane_lines(runs, row.set.resolution_mm);
     Plain plain;
-    const auto result = run_pairs(
-        [&] {
-          for (const RunView& run : runs) ours.full(run);
-        },
-        [&] {
-          for (const auto& line : lines) plain.rank(line);
-        },
-        o.pairs);
+    const auto result = run_pairs([&] { ours.full(flat); },
+                                  [&] {
+                                    for (const auto& line : lines) plain.rank(line);
+                                  },
+                                  o.pairs);
     table.add(row_of(report, row.set.name, row.set.points, result, row.bar));
   }
   report.print(table);
@@ -115,14 +103,11 @@ void against_one_answer(const Options& o, const std::vector<Row>& rows, const ch
       continue;
     }
     OurRanking ours(row.set.resolution_mm);
+    const FlatRuns flat = row.set.flat_runs(0, row.set.lines.size());
     std::size_t kept = 0;
-    const auto result = run_pairs(
-        [&] {
-          for (const RunView& run : runs) ours.full(run);
-        },
-        [&] { kept = simplifier->run(kTolerance); }, o.pairs);
+    const auto result = run_pairs([&] { ours.full(flat); }, [&] { kept = simplifier->run(kTolerance); }, o.pairs);
     std::vector<Cell> cells = row_of(report, row.set.name, row.set.points, result, row.part ? bar : std::nullopt);
-    cells.insert(cells.end(), {Count{kept_by(ours, runs)}, Count{kept}});
+    cells.insert(cells.end(), {Count{ours.full(flat, kTolerance)}, Count{kept}});
     table.add(std::move(cells));
   }
   report.print(table);
