@@ -10,7 +10,7 @@ namespace {
 
 class PlanarFar {
 public:
-  static constexpr std::uint32_t kWide = 1U << 26U;
+  static constexpr std::uint32_t kWide = 1U << 26U; ///< spans from here on are not exact
 
   explicit PlanarFar(const VectorJob& job) : job_(job) {}
 

@@ -29,7 +29,7 @@ public:
   static constexpr unsigned part_class(unsigned c) { return c == kFar ? kMore : c - 1; }
   static constexpr bool is_short(unsigned c) { return c > 1 && c <= kMore; }
 
-  PlanarSearch(const VectorJob& job, std::uint32_t span) : job_(job), far_(job), wide_(span >= PlanarFar::kWide) {
+  explicit PlanarSearch(const VectorJob& job) : job_(job), far_(job) {
     const std::uint32_t n = job.n;
     const std::int32_t* __restrict const u = job.u;
     const std::int32_t* __restrict const v = job.v;
@@ -90,9 +90,7 @@ public:
       if constexpr (c == kMore) {
         find_more(batch, i);
       } else {
-        if (wide_)
-          batch.put(i, job_.exact(job_, batch.interval[i].a, batch.interval[i].b));
-        else if constexpr (c == kFar8)
+        if constexpr (c == kFar8)
           far_.find_short<8>(batch, i);
         else if constexpr (c == kFar16)
           far_.find_short<16>(batch, i);
@@ -231,15 +229,11 @@ private:
 
   void find_mixed(Batch& batch, unsigned i) {
     batch.set_apart(i);
-    if (wide_)
-      batch.put(i, job_.exact(job_, batch.interval[i].a, batch.interval[i].b));
-    else
-      far_.find_mixed(batch, i);
+    far_.find_mixed(batch, i);
   }
 
   const VectorJob& job_;
   PlanarFar far_;
-  bool wide_;
   std::uint64_t work_ = 0;
 };
 

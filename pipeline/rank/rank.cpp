@@ -15,14 +15,38 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// What the vector kernels call for intervals that have points beyond an end of their chord, or ties they cannot tell apart.
+// What the vector kernels call for intervals that have points beyond an end of their chord, or points they cannot tell apart.
 Found search_exactly(const VectorJob& job, std::uint32_t a, std::uint32_t b) {
   const auto search = [&](const auto& kernel) {
     const auto f = farthest(kernel, MiddleRule({}), a, b);
     return Found{static_cast<std::uint32_t>(f.index), exact::nearest_double(f.distance.numerator),
                  exact::nearest_double(f.distance.denominator)};
   };
-  return job.w == nullptr ? search(Planar{job.u, job.v}) : search(Spatial{job.u, job.v, job.w});
+  if (job.w == nullptr) return search(Planar{job.u, job.v});
+  return job.wide ? search(Wide{job.u, job.v, job.w}) : search(Spatial{job.u, job.v, job.w});
+}
+
+// For runs of long span: cross products of 67 bits at most, which nearly always have less than 63.
+Found measure_exactly(const VectorJob& job, std::uint32_t a, std::uint32_t b, std::uint32_t k) {
+  const auto step = [&](const std::int32_t* axis, std::uint32_t to) { return exact::I128{axis[to]} - axis[a]; };
+  const exact::I128 e[3] = {step(job.u, b), step(job.v, b), step(job.w, b)};
+  const exact::I128 d[3] = {step(job.u, k), step(job.v, k), step(job.w, k)};
+  exact::U128 sum = 0;
+  bool fits = true;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t j = (i + 1) % 3;
+    const exact::I128 c = e[i] * d[j] - e[j] * d[i];
+    const auto magnitude = static_cast<exact::U128>(c < 0 ? -c : c);
+    fits &= magnitude >> 63U == 0;
+    sum += magnitude * magnitude;
+  }
+  const auto length = static_cast<exact::U128>(e[0] * e[0] + e[1] * e[1] + e[2] * e[2]);
+  if (fits) return {k, exact::nearest_double(sum), exact::nearest_double(length)};
+  const Wide kernel{job.u, job.v, job.w};
+  Wide::Cross cross;
+  Wide::Beyond beyond;
+  (void)kernel.measure(kernel.chord(a, b), k, cross, beyond);
+  return {k, exact::nearest_double(cross), exact::nearest_double(length)};
 }
 
 // The guard of one job; the tree is made for the first interval that needs it.
@@ -105,38 +129,41 @@ void Ranker::rank(const RunPoints& run, std::span<double> distance, std::span<st
   }
   if (n < 3) return;
   scratch_->runs.assign(1, {0, static_cast<std::uint32_t>(n - 1)});
-  if (wanted_ == RankUnit::one_by_one || !run.position.empty() || !rank_by_vectors(run, distance, depth))
+  if (wanted_ == RankUnit::one_by_one || !run.position.empty())
     rank_one_by_one(run, distance, depth);
+  else
+    rank_by_vectors(run, distance, depth);
 }
 
 void Ranker::rank(const std::array<std::span<const std::int32_t>, 3>& xyz, std::span<const Run> runs,
                   std::span<double> distance, std::span<std::uint32_t> depth) {
   // As many runs at once as stay in the nearest cache with all that ranking them needs.
   constexpr std::uint32_t kTogether = 1024;
-  const auto rank_part = [&](std::uint32_t first, std::uint32_t count, const auto& how) {
-    return how(RunPoints{xyz[0].subspan(first, count), xyz[1].subspan(first, count), xyz[2].subspan(first, count), {}},
-               distance.subspan(first, count), depth.subspan(first, count));
-  };
   for (std::size_t r = 0; r < runs.size();) {
     auto& together = scratch_->runs;
     together.clear();
     const std::uint32_t first = runs[r].first;
     std::uint32_t points = 0;
-    std::size_t end = r;
-    for (; end < runs.size() && (points == 0 || points + runs[end].count <= kTogether); ++end) {
-      together.push_back({points, points + runs[end].count - 1});
-      points += runs[end].count;
+    for (; r < runs.size() && (points == 0 || points + runs[r].count <= kTogether); ++r) {
+      together.push_back({points, points + runs[r].count - 1});
+      points += runs[r].count;
     }
-    const bool done = wanted_ != RankUnit::one_by_one && end > r + 1 &&
-                      rank_part(first, points, [&](const RunPoints& p, auto d, auto n) { return rank_by_vectors(p, d, n); });
-    for (std::size_t k = r; !done && k < end; ++k)
-      rank_part(runs[k].first, runs[k].count, [&](const RunPoints& p, auto d, auto n) { rank(p, d, n); });
-    r = end;
+    const auto part = [&](const auto& all, std::uint32_t from, std::uint32_t count) { return all.subspan(from, count); };
+    const auto rank_part = [&](std::uint32_t from, std::uint32_t count, auto&& how) {
+      how(RunPoints{part(xyz[0], from, count), part(xyz[1], from, count), part(xyz[2], from, count), {}},
+          part(distance, from, count), part(depth, from, count));
+    };
+    if (wanted_ != RankUnit::one_by_one) {
+      rank_part(first, points, [&](const RunPoints& p, auto d, auto n) { rank_by_vectors(p, d, n); });
+      continue;
+    }
+    for (const auto [a, b] : std::vector(together))
+      rank_part(first + a, b - a + 1, [&](const RunPoints& p, auto d, auto n) { rank(p, d, n); });
   }
 }
 
 // Ranks the runs listed in the scratch memory, `points` being all of theirs.
-bool Ranker::rank_by_vectors(const RunPoints& points, std::span<double> distance, std::span<std::uint32_t> depth) {
+void Ranker::rank_by_vectors(const RunPoints& points, std::span<double> distance, std::span<std::uint32_t> depth) {
   Scratch& s = *scratch_;
   s.reserve(points.size());
   if (s.guard.ready) s.guard = {};
@@ -153,6 +180,7 @@ bool Ranker::rank_by_vectors(const RunPoints& points, std::span<double> distance
                       .reach = s.reach.data(),
                       .waiting = s.waiting.data(),
                       .exact = search_exactly,
+                      .measure = measure_exactly,
                       .guarded = search_guarded,
                       .guard = &s.guard};
   switch (unit_for(wanted_, points.size())) {

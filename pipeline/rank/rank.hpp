@@ -13,7 +13,7 @@
 
 namespace scansion {
 
-/// The points of one run, as counts. Any 32 bit values; runs that span less than 2^30 counts on each axis are fast.
+/// The points of one run, as counts. Any 32 bit values; runs that span less than 2^25 counts are fastest.
 struct RunPoints {
   std::span<const std::int32_t> x, y, z;
   /// Index of each point in its whole run, ascending, when the points are a subset of it (the tie rule looks at these);
@@ -25,7 +25,7 @@ struct RunPoints {
 
 /// Which code ranks; all give the same results.
 enum class RankUnit : std::uint8_t {
-  one_by_one, ///< point after point; what runs of 2^30 counts or more and subsets always take
+  one_by_one, ///< point after point; what subsets of runs always take
   portable,
   avx2,
   avx512,
@@ -62,7 +62,7 @@ public:
 
 private:
   struct Scratch;
-  bool rank_by_vectors(const RunPoints& points, std::span<double> distance, std::span<std::uint32_t> depth);
+  void rank_by_vectors(const RunPoints& points, std::span<double> distance, std::span<std::uint32_t> depth);
   void rank_one_by_one(const RunPoints& run, std::span<double> distance, std::span<std::uint32_t> depth);
 
   Rational resolution_;

@@ -5,8 +5,8 @@
 
 namespace scansion {
 
-bool rank_avx2(const VectorJob& job) {
-  return rank_vector(job);
+void rank_avx2(const VectorJob& job) {
+  rank_vector(job);
 }
 
 bool order_avx2(const OrderJob& job) {

@@ -5,8 +5,8 @@
 
 namespace scansion {
 
-bool rank_avx512(const VectorJob& job) {
-  return rank_vector(job);
+void rank_avx512(const VectorJob& job) {
+  rank_vector(job);
 }
 
 bool order_avx512(const OrderJob& job) {

@@ -5,8 +5,8 @@
 
 namespace scansion {
 
-bool rank_portable(const VectorJob& job) {
-  return rank_vector(job);
+void rank_portable(const VectorJob& job) {
+  rank_vector(job);
 }
 
 bool order_portable(const OrderJob& job) {

@@ -1,5 +1,6 @@
-// Farthest points of intervals of a run in space, in doubles: cross products are exact below 2^25 counts, their squared lengths
-// nearly so; where two points come too close to tell, the exact search decides. Included by the units of each instruction set.
+// Farthest points of intervals of a run in space, or of any run of long span, in doubles. What these round is bounded: where
+// two points come too close to tell, or one to an end of the chord, the exact search decides. Included by the units of each
+// instruction set.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,8 +10,11 @@
 namespace scansion {
 namespace {
 
+// Below kWide counts cross and dot products are exact and only squared lengths are rounded; kRounded: those are too.
+template <bool kRounded>
 class SpatialSearch {
 public:
+  static constexpr std::uint32_t kWide = 1U << 25U;
   static constexpr bool kLone = false;
   static constexpr unsigned kClasses = 4; // up to 8 inner points, 16, more
   static std::uint32_t least_inner(unsigned c) {
@@ -21,7 +25,10 @@ public:
   static constexpr unsigned part_class(unsigned c) { return c - 1; }
   static constexpr bool is_short(unsigned) { return false; }
 
-  SpatialSearch(const VectorJob& job, std::uint32_t span) : job_(job), wide_(span >= (1U << 25U)) {}
+  // Differences are exact below 2^33. A product of two is off by 2^-53 of span^2 at most; a component of a cross product has
+  // two and their difference, a dot product three and two sums: both bounds are generous.
+  SpatialSearch(const VectorJob& job, std::uint32_t span)
+      : job_(job), cross_off_(kRounded ? 0x1p-50 * span * span : 0.0), dot_off_(kRounded ? 0x1p-49 * span * span : 0.0) {}
 
   [[nodiscard]] static unsigned class_of(std::uint32_t a, std::uint32_t b) {
     const std::uint32_t inner = b - a - 1;
@@ -36,9 +43,7 @@ public:
   template <unsigned c>
   void find(Batch& batch, unsigned count) {
     for (unsigned i = 0; i < count; ++i) {
-      if (wide_)
-        exactly(batch, i);
-      else if constexpr (c == 1)
+      if constexpr (c == 1)
         find_short<8>(batch, i);
       else if constexpr (c == 2)
         find_short<16>(batch, i);
@@ -55,10 +60,19 @@ private:
   static constexpr double kNearly = 1.0 - 0x1p-50;
   static constexpr double kExact = 0x1p53;
 
+  // Points below this squared length cannot be the farthest when `top` has been seen; equal to top when all is exact.
+  [[nodiscard]] double bound_for(double top) const {
+    if (!kRounded) return top < kExact ? top : top * kNearly;
+    const double least = (__builtin_sqrt(top) * kNearly - 2 * cross_off_) * (1.0 - 0x1p-48);
+    return least > 0 ? least * least * kNearly : 0.0;
+  }
+  // Whether several points above the bound are ties, rather than too close to tell.
+  [[nodiscard]] static bool ties_are_exact(double top) { return !kRounded && top < kExact; }
+
   struct Chord {
     V base[3], along[3], length;
     double e[3], squared;
-    Chord(const VectorJob& job, std::uint32_t a, std::uint32_t b) {
+    Chord(const VectorJob& job, std::uint32_t a, std::uint32_t b, double dot_off) {
       const std::int32_t* const axes[3] = {job.u, job.v, job.w};
       squared = 0;
       for (unsigned k = 0; k < 3; ++k) {
@@ -67,7 +81,8 @@ private:
         base[k] = R::set1(axes[k][a]);
         along[k] = R::set1(e[k]);
       }
-      length = R::set1(squared);
+      // Dot products come with dot_off taken away; one near an end counts as beyond it.
+      length = R::set1(squared - 3 * dot_off);
     }
   };
   struct Measured {
@@ -81,8 +96,9 @@ private:
     const V cx = R::sub(R::mul(c.along[1], z), R::mul(c.along[2], y));
     const V cy = R::sub(R::mul(c.along[2], x), R::mul(c.along[0], z));
     const V cz = R::sub(R::mul(c.along[0], y), R::mul(c.along[1], x));
-    return {R::add(R::add(R::mul(cx, cx), R::mul(cy, cy)), R::mul(cz, cz)),
-            R::add(R::add(R::mul(x, c.along[0]), R::mul(y, c.along[1])), R::mul(z, c.along[2]))};
+    V dot = R::add(R::add(R::mul(x, c.along[0]), R::mul(y, c.along[1])), R::mul(z, c.along[2]));
+    if constexpr (kRounded) dot = R::sub(dot, R::set1(dot_off_));
+    return {R::add(R::add(R::mul(cx, cx), R::mul(cy, cy)), R::mul(cz, cz)), dot};
   }
 
   void exactly(Batch& batch, unsigned i) { batch.put(i, job_.exact(job_, batch.interval[i].a, batch.interval[i].b)); }
@@ -102,7 +118,11 @@ private:
   }
 
   void put(Batch& batch, unsigned i, std::uint32_t k, double top, const Chord& chord) {
-    batch.put(i, k, top < kExact ? top : squared_cross(batch.interval[i].a, k, chord), chord.squared);
+    const auto [a, b] = batch.interval[i];
+    if constexpr (kRounded)
+      batch.put(i, job_.measure(job_, a, b, k));
+    else
+      batch.put(i, k, top < kExact ? top : squared_cross(a, k, chord), chord.squared);
   }
 
   template <unsigned kInner>
@@ -110,7 +130,7 @@ private:
     constexpr unsigned kVectors = kInner / R::kLanes;
     const auto [a, b] = batch.interval[i];
     const unsigned inner = b - a - 1;
-    const Chord chord(job_, a, b);
+    const Chord chord(job_, a, b, dot_off_);
     V square[kVectors];
     V most = R::set1(0);
     std::uint32_t outside = 0;
@@ -124,18 +144,22 @@ private:
     }
     if (outside != 0) return exactly(batch, i);
     const double top = R::top(most);
-    const V bound = R::set1(top < kExact ? top : top * kNearly);
+    const V bound = R::set1(bound_for(top));
     std::uint64_t mask = 0;
     for (unsigned v = 0; v < kVectors; ++v)
       mask |= static_cast<std::uint64_t>(R::bits(R::at_least(square[v], bound))) << (v * R::kLanes);
     mask &= ~std::uint64_t{0} >> (64 - inner);
-    if (top >= kExact && (mask & (mask - 1)) != 0) return exactly(batch, i);
+    if (!ties_are_exact(top) && (mask & (mask - 1)) != 0) return exactly(batch, i);
     put(batch, i, a + 1 + closest_to_middle(mask, inner), top, chord);
   }
 
   void find_more(Batch& batch, unsigned i) {
     const auto [a, b] = batch.interval[i];
-    const Chord chord(job_, a, b);
+    const std::uint32_t inner = b - a - 1;
+    if (work_ > kGuardedWork * job_.n && inner >= kGuardedInner && job_.guarded != nullptr)
+      return batch.put(i, job_.guarded(job_, a, b));
+    work_ += inner;
+    const Chord chord(job_, a, b, dot_off_);
     V most = R::set1(0);
     std::uint32_t outside = 0;
     for (std::uint32_t k = a + 1; k < b; k += R::kLanes) {
@@ -146,11 +170,11 @@ private:
     }
     if (outside != 0) return exactly(batch, i);
     const double top = R::top(most);
-    const V bound = R::set1(top < kExact ? top : top * kNearly);
+    const V bound = R::set1(bound_for(top));
     const auto bits_of = [&](std::uint32_t first, unsigned count) {
       return R::bits(R::at_least(measure(chord, first).squared_cross, bound)) & ((1U << count) - 1U);
     };
-    if (top >= kExact) {
+    if (!ties_are_exact(top)) {
       std::uint32_t candidates = 0;
       for (std::uint32_t k = a + 1; k < b; k += R::kLanes)
         candidates += static_cast<std::uint32_t>(__builtin_popcount(bits_of(k, smaller(b - k, R::kLanes))));
@@ -160,7 +184,8 @@ private:
   }
 
   const VectorJob& job_;
-  bool wide_;
+  double cross_off_, dot_off_; ///< bounds of what is rounded, in squared counts
+  std::uint64_t work_ = 0;
 };
 
 } // namespace

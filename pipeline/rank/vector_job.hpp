@@ -46,14 +46,17 @@ struct VectorJob {
   std::uint32_t* reach; ///< n + kVectorPad
   Interval* waiting;    ///< waiting_intervals(n)
 
-  Search exact;   ///< searches any interval, point after point
+  Search exact; ///< searches any interval, point after point
+  /// The exact distance of point k, which is inside the ends of the chord.
+  Found (*measure)(const VectorJob& job, std::uint32_t a, std::uint32_t b, std::uint32_t k);
   Search guarded; ///< the same for long planar intervals once the work has passed its limit
   void* guard;    ///< for `guarded`
 
   // Set by rank_*: the coordinates to look at, padded.
   const std::int32_t* u = nullptr;
   const std::int32_t* v = nullptr;
-  const std::int32_t* w = nullptr; ///< null: one axis is constant, u and v are the others
+  const std::int32_t* w = nullptr; ///< null: this axis is constant; it may be without being null
+  bool wide = false;               ///< a span is kNarrowSpan or more
 };
 
 /// So many steps between neighbours are summed at once.
@@ -65,12 +68,11 @@ inline constexpr std::size_t kWaitingPad = 64;
   return 4 * n + kWaitingPad + 256;
 }
 
-/// False: a span is kNarrowSpan or more, or several runs lie in planes of different axes, and nothing was done. All give the
-/// same results.
-[[nodiscard]] bool rank_portable(const VectorJob& job);
+/// All give the same results.
+void rank_portable(const VectorJob& job);
 #if defined(__x86_64__)
-[[nodiscard]] bool rank_avx2(const VectorJob& job);
-[[nodiscard]] bool rank_avx512(const VectorJob& job);
+void rank_avx2(const VectorJob& job);
+void rank_avx512(const VectorJob& job);
 #endif
 
 } // namespace scansion

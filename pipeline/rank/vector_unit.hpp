@@ -20,7 +20,7 @@ inline Extent extent_of(const std::int32_t* axis, std::uint32_t n) {
   return e;
 }
 
-inline bool rank_vector(VectorJob job) {
+inline void rank_vector(VectorJob job) {
   std::uint32_t most = 0;
   unsigned constant = 3; // the last axis along which no run moves
   for (unsigned k = 0; k < 3; ++k) {
@@ -35,25 +35,32 @@ inline bool rank_vector(VectorJob job) {
     if (!moves) constant = k;
     most = larger(most, static_cast<std::uint32_t>(all.high) - static_cast<std::uint32_t>(all.low));
   }
-  if (most >= kNarrowSpan || (constant == 3 && job.run_count > 1)) return false;
-
+  job.wide = most >= kNarrowSpan;
+  if (constant == 3 || job.wide) job.guarded = nullptr;
+  // A planar run is seen along its two axes, unless they are too long for that; then the third comes last.
+  const bool planar = constant < 3 && most < PlanarFar::kWide;
   const std::int32_t** const seen[3] = {&job.u, &job.v, &job.w};
   unsigned next = 0;
-  for (unsigned k = 0; k < 3; ++k) {
-    if (k == constant) continue;
+  const auto see = [&](unsigned k) {
     std::int32_t* const copy = job.copies + next * (job.n + kVectorPad);
     __builtin_memcpy(copy, job.axes[k], job.n * sizeof(std::int32_t));
     for (std::size_t i = 0; i < kVectorPad; ++i) copy[job.n + i] = copy[job.n - 1];
     *seen[next++] = copy;
-  }
-  if (constant < 3) {
-    PlanarSearch search(job, most);
+  };
+  for (unsigned k = 0; k < 3; ++k)
+    if (k != constant) see(k);
+  if (constant < 3 && !planar) see(constant);
+
+  if (planar) {
+    PlanarSearch search(job);
+    grow_tree(job, search);
+  } else if (most < SpatialSearch<false>::kWide) {
+    SpatialSearch<false> search(job, most);
     grow_tree(job, search);
   } else {
-    SpatialSearch search(job, most);
+    SpatialSearch<true> search(job, most);
     grow_tree(job, search);
   }
-  return true;
 }
 
 } // namespace
