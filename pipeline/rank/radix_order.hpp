@@ -10,12 +10,12 @@
 namespace scansion {
 namespace {
 
-// A key holds, from the top: the leading 31 bits of the largest distance minus the point's; 8 bits of depth; the index.
+// A key holds, from the top: the leading 32 bits of the largest distance minus the point's; 8 bits of depth; the index.
 // Ascending keys are the order wanted, but for distances that differ in the bits cut off and for depths and indexes that do not
 // fit. Digits are bytes, so taking one costs nothing.
 constexpr unsigned kIndexBits = 24;
 constexpr unsigned kDistanceAt = 32;
-constexpr unsigned kDistanceBits = 31;
+constexpr unsigned kDistanceBits = 32;
 constexpr std::uint32_t kMostDepth = 255;
 constexpr std::uint64_t kIndexMask = (std::uint64_t{1} << kIndexBits) - 1;
 static_assert(kOrderPoints == std::size_t{1} << kIndexBits);
@@ -32,7 +32,7 @@ public:
     fill_keys();
     // Equal distances are common (parts of an interval have its distance at most, small ones have few values), so depths come
     // first: every pass keeps the order of the one before. Few points need few bits to differ; settling does the rest.
-    if (job_.n < 300)
+    if (job_.n < 2048)
       sort<3, 6, 7>();
     else if (job_.n < 262'144)
       sort<3, 5, 6, 7>();
@@ -141,9 +141,10 @@ private:
     for (; i + 8 <= size_; i += 8)
       if (_mm512_cmplt_epu64_mask(_mm512_loadu_si512(keys + i), _mm512_loadu_si512(keys + i - 1)) != 0) break;
 #elif defined(__AVX2__)
+    const __m256i sign = _mm256_set1_epi64x(INT64_MIN); // comparisons are signed
     for (; i + 4 <= size_; i += 4) {
-      const __m256i here = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(keys + i));
-      const __m256i before = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(keys + i - 1));
+      const __m256i here = _mm256_xor_si256(sign, _mm256_loadu_si256(reinterpret_cast<const __m256i*>(keys + i)));
+      const __m256i before = _mm256_xor_si256(sign, _mm256_loadu_si256(reinterpret_cast<const __m256i*>(keys + i - 1)));
       if (_mm256_movemask_epi8(_mm256_cmpgt_epi64(before, here)) != 0) break;
     }
 #endif
