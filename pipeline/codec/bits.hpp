@@ -28,7 +28,7 @@ public:
     const auto more = static_cast<unsigned>(std::bit_width(value + 1)) - 1;
     put(0, more);
     put(1, 1);
-    put((value + 1) & ((1U << more) - 1), more);
+    put((value + 1) & ((1U << more) - 1), more); // NOLINT(clang-analyzer-core.UndefinedBinaryOperatorResult): value + 1 > 0
   }
   void flush() {
     for (; filled_ > 0; filled_ -= std::min(filled_, 8U)) {

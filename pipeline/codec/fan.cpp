@@ -22,8 +22,9 @@ double length(std::int32_t x, std::int32_t y) noexcept {
 double range_step(std::span<const std::int32_t> x, std::span<const std::int32_t> y) noexcept {
   constexpr std::size_t kSample = 512;
   const std::size_t stride = std::max<std::size_t>(1, x.size() / kSample);
-  for (double decade = 1e6; decade >= 10; decade /= 10)
-    for (const double step : {decade, decade / 2, decade / 4, decade / 5}) {
+  for (int decade = 1'000'000; decade >= 10; decade /= 10)
+    for (const int part : {1, 2, 4, 5}) {
+      const double step = static_cast<double>(decade) / part;
       if (step < 10) break;
       std::size_t all = 0;
       std::size_t near = 0;

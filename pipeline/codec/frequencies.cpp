@@ -75,7 +75,8 @@ namespace {
 std::uint8_t class_of(std::uint64_t scaled) noexcept {
   if (scaled < 4) return 1;
   const auto octave = static_cast<unsigned>(std::bit_width(scaled)) - 3;
-  return static_cast<std::uint8_t>(std::min<std::uint64_t>(kMaxClass, 4 * octave + ((scaled >> octave) & 3U) + 1));
+  return static_cast<std::uint8_t>(
+      std::min<std::uint64_t>(kMaxClass, std::uint64_t{4} * octave + ((scaled >> octave) & 3U) + 1));
 }
 
 // Of each token a few classes: none, those around the one that its count and its neighbours' ask for, its own.
@@ -92,7 +93,7 @@ using Choices = std::array<Choice, kChoices>;
 constexpr auto kWeightLogs = [] {
   std::array<std::uint32_t, kMaxClass + 1> logs{};
   for (std::uint8_t k = 1; k <= kMaxClass; ++k)
-    logs[k] = ((k - 1U) / 4U + 2U) * (1U << kLogBits) + kLogTable[(k - 1U) % 4U * 64U];
+    logs[k] = ((k - 1U) / 4U + 2U) * (1U << kLogBits) + kLogTable[std::size_t{(k - 1U) % 4U} * 64U];
   return logs;
 }();
 
@@ -114,13 +115,13 @@ Classes classes_of(const TokenCounts& counts) noexcept {
   Classes out{};
   std::size_t used = kTokens;
   while (used > 0 && counts[used - 1] == 0) --used;
-  if (used == 0) return out;
   std::uint64_t top = 0;
   std::uint64_t sum = 0;
   for (const std::uint32_t n : counts) {
     top = std::max<std::uint64_t>(top, n);
     sum += n;
   }
+  if (top == 0) return out;
   constexpr std::uint64_t kTopWeight = weight(kMaxClass) + weight(kMaxClass) / 16; // rounds in the middle of a class
   const std::uint64_t total = sum * kTopWeight / top;                              // about the sum of all weights
   constexpr std::uint64_t kPerNat = 5909;                                          // 2^kLogBits / ln 2
@@ -162,7 +163,7 @@ Classes classes_of(const TokenCounts& counts) noexcept {
   };
   for (std::size_t t = 0; t < used; ++t) {
     const int middle = class_of(smooth(t) * to_weight >> 32U);
-    const int exact = class_of(9 * counts[t] * to_weight >> 32U);
+    const int exact = class_of(std::uint64_t{9} * counts[t] * to_weight >> 32U);
     for (Choice& choice : steps[t]) choice = {0, 0, kNever};
     std::size_t c = 0;
     if (counts[t] == 0) consider(t, c++, 0);

@@ -41,7 +41,7 @@ inline constexpr std::uint32_t kLargestSize = 1U << 20U;
   const auto left = static_cast<std::uint32_t>(2 * size1 + size2);
   const std::uint32_t sum = (has_above ? left + static_cast<std::uint32_t>(beside) : 2 * left) + 1;
   const auto octave = static_cast<std::uint32_t>(std::bit_width(sum)) - 1;
-  return 2 * octave + ((2 * sum >> octave) & 1U);
+  return 2 * octave + ((2 * sum >> octave) & 1U); // NOLINT(clang-analyzer-core.UndefinedBinaryOperatorResult): sum > 0
 }
 
 /// Writes the polyline through the values at `vertices` (first and last point of every run among them) into `chord`.

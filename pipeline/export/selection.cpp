@@ -67,7 +67,8 @@ std::uint64_t kept_of_run(std::uint64_t count, Rational share) noexcept {
 
 std::uint64_t kept_of_scan(std::uint64_t count, Rational share) noexcept {
   const auto den = static_cast<std::uint64_t>(share.den);
-  return static_cast<std::uint64_t>((2 * static_cast<U128>(count) * static_cast<std::uint64_t>(share.num) + den) / (2 * den));
+  return static_cast<std::uint64_t>((2 * static_cast<U128>(count) * static_cast<std::uint64_t>(share.num) + den) /
+                                    (U128{2} * den));
 }
 
 Result<Selector> Selector::prepare(RecordingReader& reader, const Selection& selection) {

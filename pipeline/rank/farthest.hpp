@@ -37,8 +37,8 @@ Farthest<Kernel> farthest(const Kernel& kernel, const MiddleRule& rule, std::siz
       outside = k;
     }
   }
-  const Farthest<Kernel> in{inside, {Kernel::squared(best_cross), chord.length}};
-  const Farthest<Kernel> out{outside, {best_beyond, 1}};
+  Farthest<Kernel> in{inside, {Kernel::squared(best_cross), chord.length}};
+  Farthest<Kernel> out{outside, {best_beyond, 1}};
   if (outside == 0) return in;
   if (inside == 0) return out;
   const int order = exact::compare(in.distance, out.distance, chord.length);

@@ -151,7 +151,7 @@ struct Reals {
 #elif defined(__AVX2__)
 
 // Eight ones, then eight zeros: a window of it selects the first lanes.
-alignas(64) constexpr std::int32_t kWindow[16] = {-1, -1, -1, -1, -1, -1, -1, -1, 0, 0, 0, 0, 0, 0, 0, 0};
+alignas(64) inline constexpr std::int32_t kWindow[16] = {-1, -1, -1, -1, -1, -1, -1, -1, 0, 0, 0, 0, 0, 0, 0, 0};
 
 struct Lanes4 {
   static constexpr unsigned kLanes = 4;

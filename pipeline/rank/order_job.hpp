@@ -21,7 +21,7 @@ struct OrderJob {
 };
 
 /// A table of 256 for each byte of a key.
-inline constexpr std::size_t kOrderCounts = 8 * 256;
+inline constexpr std::size_t kOrderCounts = std::size_t{8} * 256;
 
 /// Indexes of more points do not fit a key.
 inline constexpr std::size_t kOrderPoints = std::size_t{1} << 24U;

@@ -47,7 +47,7 @@ public:
     // In place: block k of steps becomes element k.
     std::uint32_t sum = 0;
     for (std::uint32_t block = 0; block * kReachBlock < n; ++block) {
-      const std::uint32_t* const steps = reach + block * kReachBlock;
+      const std::uint32_t* const steps = reach + std::size_t{block} * kReachBlock;
       const std::uint32_t here =
           ((steps[0] + steps[1]) + (steps[2] + steps[3])) + ((steps[4] + steps[5]) + (steps[6] + steps[7]));
       reach[block] = sum;

@@ -13,11 +13,11 @@ namespace {
 // A key holds, from the top: the leading 32 bits of the largest distance minus the point's; 8 bits of depth; the index.
 // Ascending keys are the order wanted, but for distances that differ in the bits cut off and for depths and indexes that do not
 // fit. Digits are bytes, so taking one costs nothing.
-constexpr unsigned kIndexBits = 24;
-constexpr unsigned kDistanceAt = 32;
-constexpr unsigned kDistanceBits = 32;
-constexpr std::uint32_t kMostDepth = 255;
-constexpr std::uint64_t kIndexMask = (std::uint64_t{1} << kIndexBits) - 1;
+inline constexpr unsigned kIndexBits = 24;
+inline constexpr unsigned kDistanceAt = 32;
+inline constexpr unsigned kDistanceBits = 32;
+inline constexpr std::uint32_t kMostDepth = 255;
+inline constexpr std::uint64_t kIndexMask = (std::uint64_t{1} << kIndexBits) - 1;
 static_assert(kOrderPoints == std::size_t{1} << kIndexBits);
 
 inline std::uint64_t bits_of(double distance) {

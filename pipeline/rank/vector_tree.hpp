@@ -111,7 +111,7 @@ struct BisectionDepths {
     }
   }
 };
-constexpr BisectionDepths kBisection{};
+inline constexpr BisectionDepths kBisection{};
 
 // An interval whose inner points all lie on its chord: distance 0, the order of repeated bisection.
 inline void bisect(std::uint32_t a, std::uint32_t b, std::uint32_t first_depth, double* q, std::uint32_t* depth) {
