@@ -366,5 +366,28 @@ struct Reals {
 
 #endif
 
+// The middle one of three points against the chord of the others, in 16 bit halves.
+struct Lone {
+  std::int32_t cross, dot, squared;
+
+#if defined(__AVX2__)
+  // Reads a fourth point and does not look at it.
+  static Lone of(const std::uint32_t* points) {
+    const __m128i three = Lanes4::load(points);
+    const __m128i steps = _mm_sub_epi16(three, _mm_shuffle_epi32(three, 0x00)); // 0, to the point, along the chord
+    const __m128i along = _mm_shuffle_epi32(steps, 0xAA);
+    const __m128i products = _mm_madd_epi16(steps, along);
+    const __m128i crosses = _mm_madd_epi16(steps, Lanes4::across(along));
+    return {_mm_extract_epi32(crosses, 1), _mm_extract_epi32(products, 1), _mm_extract_epi32(products, 2)};
+  }
+#else
+  static Lone of(const std::uint32_t* points) {
+    const auto u = [&](unsigned k) { return static_cast<std::int16_t>(points[k] - points[0]); };
+    const auto v = [&](unsigned k) { return static_cast<std::int16_t>((points[k] >> 16U) - (points[0] >> 16U)); };
+    return {u(2) * v(1) - v(2) * u(1), u(1) * u(2) + v(1) * v(2), u(2) * u(2) + v(2) * v(2)};
+  }
+#endif
+};
+
 } // namespace
 } // namespace scansion

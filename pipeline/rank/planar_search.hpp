@@ -140,21 +140,34 @@ private:
   }
 
   void find_lone(Batch& batch, unsigned count) {
+    std::int32_t cross[kBatch];
+    std::int32_t dot[kBatch];
+    std::int32_t squared[kBatch];
     for (unsigned i = 0; i < count; ++i) {
       const std::uint32_t a = batch.interval[i].a;
-      const std::int32_t du = job_.u[a + 1] - job_.u[a];
-      const std::int32_t dv = job_.v[a + 1] - job_.v[a];
-      const std::int32_t eu = job_.u[a + 2] - job_.u[a];
-      const std::int32_t ev = job_.v[a + 2] - job_.v[a];
-      const std::int32_t dot = du * eu + dv * ev;
-      const std::int32_t squared = eu * eu + ev * ev;
-      const double cross = eu * dv - ev * du;
-      const std::int32_t fu = dot > 0 ? du - eu : du;
-      const std::int32_t fv = dot > 0 ? dv - ev : dv;
-      const bool inside = dot > 0 && dot < squared;
+      const Lone lone = Lone::of(job_.pairs + a);
+      batch.index[i] = a + 1;
+      cross[i] = lone.cross;
+      dot[i] = lone.dot;
+      squared[i] = lone.squared;
+    }
+    unsigned outside = 0;
+    for (unsigned i = 0; i < count; ++i) {
+      outside |= dot[i] <= 0 || dot[i] >= squared[i] ? 1U : 0U;
+      const double c = cross[i];
+      batch.numerator[i] = c * c;
+      batch.denominator[i] = squared[i];
+    }
+    if (outside == 0) return;
+    for (unsigned i = 0; i < count; ++i) {
+      if (dot[i] > 0 && dot[i] < squared[i]) continue;
+      const std::uint32_t a = batch.interval[i].a;
+      const std::uint32_t end = dot[i] > 0 ? a + 2 : a;
+      const std::int32_t fu = job_.u[a + 1] - job_.u[end];
+      const std::int32_t fv = job_.v[a + 1] - job_.v[end];
       // |f| stays below 2^15 on each axis, as the reach does, so the sum of squares fits.
-      const double beyond = fu * fu + fv * fv;
-      batch.put(i, a + 1, inside ? cross * cross : beyond, inside ? squared : 1);
+      batch.numerator[i] = fu * fu + fv * fv;
+      batch.denominator[i] = 1;
     }
   }
 
