@@ -11,18 +11,19 @@
 namespace scansion {
 namespace {
 
-// Every Lanes type has: kLanes; V, a vector of 32 bit lanes, each lane also seen as two 16 bit halves; M, a set of lanes;
-// load; spread, one value in all lanes; sub16, difference of halves; across, the pair (-high, low) of each lane (low, high);
-// madd, sum of the products of both halves; abs32, max32, min32; top, the largest lane in all lanes; lane0; first(count);
-// inside(dot, length), 0 < dot < length; keep(M, V); equal; both, without, covers (a holds all of b); bits. Every Reals type:
-// kLanes doubles; load from int32, set1; difference, product, sum, absolute, max, top; the same masks.
+// Every Lanes type has: kLanes; V, a vector of 32 bit lanes, each lane also seen as two 16 bit halves; M, a set of lanes; load;
+// spread, one value in all lanes; across, the pair (-high, low) of each lane (low, high); sub16, difference of halves; madd,
+// sum of the products of both halves; abs32, max32, min32; top, the largest lane in all lanes; lane0; first(count); inside(dot,
+// length), 0 < dot < length; keep(M, V); equal; both, without, covers (a holds all of b); bits.
+// Every Reals type: kLanes doubles; load from int32, set1; sub, add, mul, mul_add, mul_sub (fused or not: what they give must
+// be exact either way); abs, max, min; top, the largest lane; the same sets, and at_least.
 
-#if defined(__AVX512BW__) && defined(__AVX512VL__) && defined(__AVX512DQ__)
+#if defined(__AVX2__)
 
-struct Lanes4 {
+// What AVX2 and AVX-512 do alike: all but the sets of lanes.
+struct Halves4 {
   static constexpr unsigned kLanes = 4;
   using V = __m128i;
-  using M = __mmask8;
   static V load(const std::uint32_t* p) { return _mm_loadu_si128(reinterpret_cast<const __m128i*>(p)); }
   static V spread(const std::uint32_t* p) { return _mm_set1_epi32(static_cast<int>(*p)); }
   static V zero() { return _mm_setzero_si128(); }
@@ -40,22 +41,11 @@ struct Lanes4 {
     return _mm_max_epi32(a, _mm_shuffle_epi32(a, 0xB1));
   }
   static std::int32_t lane0(V a) { return _mm_cvtsi128_si32(a); }
-  static M first(unsigned count) { return static_cast<M>((1U << count) - 1U); }
-  static M inside(V dot, V length) {
-    return _mm_mask_cmplt_epi32_mask(_mm_cmpgt_epi32_mask(dot, _mm_setzero_si128()), dot, length);
-  }
-  static V keep(M m, V a) { return _mm_maskz_mov_epi32(m, a); }
-  static M equal(V a, V b) { return _mm_cmpeq_epi32_mask(a, b); }
-  static M both(M a, M b) { return static_cast<M>(a & b); }
-  static bool covers(M a, M b) { return (b & ~a) == 0; }
-  static M without(M a, M b) { return static_cast<M>(a & ~b); }
-  static std::uint32_t bits(M m) { return m; }
 };
 
-struct Lanes8 {
+struct Halves8 {
   static constexpr unsigned kLanes = 8;
   using V = __m256i;
-  using M = __mmask8;
   static V load(const std::uint32_t* p) { return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(p)); }
   static V spread(const std::uint32_t* p) { return _mm256_set1_epi32(static_cast<int>(*p)); }
   static V zero() { return _mm256_setzero_si256(); }
@@ -74,6 +64,28 @@ struct Lanes8 {
     return _mm256_max_epi32(a, _mm256_shuffle_epi32(a, 0xB1));
   }
   static std::int32_t lane0(V a) { return _mm_cvtsi128_si32(_mm256_castsi256_si128(a)); }
+};
+
+#endif
+
+#if defined(__AVX512BW__) && defined(__AVX512VL__) && defined(__AVX512DQ__)
+
+struct Lanes4 : Halves4 {
+  using M = __mmask8;
+  static M first(unsigned count) { return static_cast<M>((1U << count) - 1U); }
+  static M inside(V dot, V length) {
+    return _mm_mask_cmplt_epi32_mask(_mm_cmpgt_epi32_mask(dot, _mm_setzero_si128()), dot, length);
+  }
+  static V keep(M m, V a) { return _mm_maskz_mov_epi32(m, a); }
+  static M equal(V a, V b) { return _mm_cmpeq_epi32_mask(a, b); }
+  static M both(M a, M b) { return static_cast<M>(a & b); }
+  static bool covers(M a, M b) { return (b & ~a) == 0; }
+  static M without(M a, M b) { return static_cast<M>(a & ~b); }
+  static std::uint32_t bits(M m) { return m; }
+};
+
+struct Lanes8 : Halves8 {
+  using M = __mmask8;
   static M first(unsigned count) { return static_cast<M>((1U << count) - 1U); }
   static M inside(V dot, V length) {
     return _mm256_mask_cmplt_epi32_mask(_mm256_cmpgt_epi32_mask(dot, _mm256_setzero_si256()), dot, length);
@@ -153,27 +165,8 @@ struct Reals {
 // Eight ones, then eight zeros: a window of it selects the first lanes.
 alignas(64) inline constexpr std::int32_t kWindow[16] = {-1, -1, -1, -1, -1, -1, -1, -1, 0, 0, 0, 0, 0, 0, 0, 0};
 
-struct Lanes4 {
-  static constexpr unsigned kLanes = 4;
-  using V = __m128i;
+struct Lanes4 : Halves4 {
   using M = __m128i;
-  static V load(const std::uint32_t* p) { return _mm_loadu_si128(reinterpret_cast<const __m128i*>(p)); }
-  static V spread(const std::uint32_t* p) { return _mm_set1_epi32(static_cast<int>(*p)); }
-  static V zero() { return _mm_setzero_si128(); }
-  static V across(V a) {
-    const V turned = _mm_or_si128(_mm_slli_epi32(a, 16), _mm_srli_epi32(a, 16));
-    return _mm_sign_epi16(turned, _mm_set1_epi32(0x0001FFFF));
-  }
-  static V sub16(V a, V b) { return _mm_sub_epi16(a, b); }
-  static V madd(V a, V b) { return _mm_madd_epi16(a, b); }
-  static V abs32(V a) { return _mm_abs_epi32(a); }
-  static V max32(V a, V b) { return _mm_max_epi32(a, b); }
-  static V min32(V a, V b) { return _mm_min_epi32(a, b); }
-  static V top(V a) {
-    a = _mm_max_epi32(a, _mm_shuffle_epi32(a, 0x4E));
-    return _mm_max_epi32(a, _mm_shuffle_epi32(a, 0xB1));
-  }
-  static std::int32_t lane0(V a) { return _mm_cvtsi128_si32(a); }
   static M first(unsigned count) { return _mm_loadu_si128(reinterpret_cast<const __m128i*>(kWindow + 8 - count)); }
   static M inside(V dot, V length) {
     return _mm_and_si128(_mm_cmpgt_epi32(dot, _mm_setzero_si128()), _mm_cmpgt_epi32(length, dot));
@@ -186,28 +179,8 @@ struct Lanes4 {
   static std::uint32_t bits(M m) { return static_cast<std::uint32_t>(_mm_movemask_ps(_mm_castsi128_ps(m))); }
 };
 
-struct Lanes8 {
-  static constexpr unsigned kLanes = 8;
-  using V = __m256i;
+struct Lanes8 : Halves8 {
   using M = __m256i;
-  static V load(const std::uint32_t* p) { return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(p)); }
-  static V spread(const std::uint32_t* p) { return _mm256_set1_epi32(static_cast<int>(*p)); }
-  static V zero() { return _mm256_setzero_si256(); }
-  static V across(V a) {
-    const V turned = _mm256_or_si256(_mm256_slli_epi32(a, 16), _mm256_srli_epi32(a, 16));
-    return _mm256_sign_epi16(turned, _mm256_set1_epi32(0x0001FFFF));
-  }
-  static V sub16(V a, V b) { return _mm256_sub_epi16(a, b); }
-  static V madd(V a, V b) { return _mm256_madd_epi16(a, b); }
-  static V abs32(V a) { return _mm256_abs_epi32(a); }
-  static V max32(V a, V b) { return _mm256_max_epi32(a, b); }
-  static V min32(V a, V b) { return _mm256_min_epi32(a, b); }
-  static V top(V a) {
-    a = _mm256_max_epi32(a, _mm256_permute2x128_si256(a, a, 1));
-    a = _mm256_max_epi32(a, _mm256_shuffle_epi32(a, 0x4E));
-    return _mm256_max_epi32(a, _mm256_shuffle_epi32(a, 0xB1));
-  }
-  static std::int32_t lane0(V a) { return _mm_cvtsi128_si32(_mm256_castsi256_si128(a)); }
   static M first(unsigned count) { return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(kWindow + 8 - count)); }
   static M inside(V dot, V length) {
     return _mm256_and_si256(_mm256_cmpgt_epi32(dot, _mm256_setzero_si256()), _mm256_cmpgt_epi32(length, dot));
