@@ -1,0 +1,162 @@
+// Feature lines, patches and forms: the values that the feature stage publishes. Positions are millimetres in the frame of the
+// recording. After sections 4 to 6 of the paper; what each attribute means stands in docs/FEATURES.md.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+namespace scansion {
+
+/// What a feature line runs along.
+enum class FeatureType : std::uint8_t { convex, concave, step_top, step_bottom, ridge, valley };
+inline constexpr std::size_t kFeatureTypes = 6;
+[[nodiscard]] std::string_view name(FeatureType type) noexcept; ///< "convex", "concave", "step-top", ...
+
+/// The shape of a profile at one point (after Tab. 1 of the paper).
+enum class ShapeElement : std::uint8_t {
+  straight,
+  peak,
+  blade,
+  pit,
+  slit,
+  shoulder_falling,
+  shoulder_levelling,
+  foot_levelling,
+  foot_rising,
+  slope_change_convex,
+  slope_change_concave,
+  weak_bend_convex,
+  weak_bend_concave,
+  wall_bend_convex,
+  wall_bend_concave,
+  step_top,
+  step_bottom
+};
+inline constexpr std::size_t kShapeElements = 17;
+[[nodiscard]] std::string_view name(ShapeElement element) noexcept;
+
+struct FeatureVertex {
+  std::array<double, 3> position{}; ///< mm
+  std::uint64_t line = 0;           ///< index of the scan line it was found on
+  std::uint32_t index = 0;          ///< of the nearest sample of that line, counted over all its runs
+  bool guided = false;              ///< measured where the line was expected, not found by itself
+
+  friend bool operator==(const FeatureVertex&, const FeatureVertex&) = default;
+};
+
+/// Why a feature line ends where it does.
+enum class FeatureEnd : std::uint8_t {
+  open,     ///< it goes on: the recording, or this piece of the line, ends here
+  death,    ///< no longer found
+  border,   ///< the scan ends here
+  gap,      ///< scan lines are missing here
+  junction, ///< it runs into another feature line
+  cap       ///< it closes with another line that ends here
+};
+[[nodiscard]] std::string_view name(FeatureEnd end) noexcept;
+
+struct MeanDeviation {
+  double mean = 0.0, deviation = 0.0;
+
+  friend bool operator==(const MeanDeviation&, const MeanDeviation&) = default;
+};
+
+/// A feature line, or a piece of one that is very long: pieces share the id, follow each other, the last vertex of one is the
+/// first of the next, and all but the last end `open`.
+struct FeatureLine {
+  std::uint64_t id = 0;
+  std::uint32_t piece = 0;
+  FeatureType type = FeatureType::convex;
+  std::uint32_t level = 0; ///< k of the coarsest S_k that holds most of its points
+  bool closed_loop = false;
+  FeatureEnd begins = FeatureEnd::death, ends = FeatureEnd::death;
+  std::vector<FeatureVertex> vertices;
+
+  double length_mm = 0.0;
+  std::uint64_t scan_lines = 0;                        ///< on which it was seen
+  MeanDeviation inner_angle, orientation, turning;     ///< delta, beta, tau in degrees
+  MeanDeviation width;                                 ///< log2(D / finest tolerance of the feature stage)
+  double sharpness = 0.0;                              ///< mean Lambda: above 0 a corner, below an arc
+  double guided_share = 0.0;                           ///< of its vertices
+  double persistence = 0.0;                            ///< length in units of five sampling steps
+  double across_mm = 0.0;                              ///< uncertainty of a step between two scan lines; 0: none stated
+  std::array<std::uint32_t, kShapeElements> elements{}; ///< how often each shape was seen
+  std::optional<std::uint64_t> partner;                ///< the other edge of a step
+  std::vector<std::uint64_t> junctions;                ///< feature lines it meets
+
+  friend bool operator==(const FeatureLine&, const FeatureLine&) = default;
+};
+
+/// A stretch of one scan line that belongs to one patch.
+struct PatchRun {
+  std::uint64_t line = 0;
+  std::uint32_t first = 0, count = 0; ///< samples of that line, counted over all its runs
+  std::uint32_t patch = 0;            ///< id when it was published; see PatchMerge
+
+  friend bool operator==(const PatchRun&, const PatchRun&) = default;
+};
+
+/// From now on the samples of patch `from` belong to `into`.
+struct PatchMerge {
+  std::uint32_t from = 0, into = 0;
+
+  friend bool operator==(const PatchMerge&, const PatchMerge&) = default;
+};
+
+enum class PatchShape : std::uint8_t { plane, cylinder, free_form };
+[[nodiscard]] std::string_view name(PatchShape shape) noexcept;
+
+enum class FormKind : std::uint8_t { face, fillet, chamfer, wall, rib, boss, slot, pocket, step, hole };
+[[nodiscard]] std::string_view name(FormKind kind) noexcept;
+
+/// A patch at its end, or when the recording ends.
+struct Patch {
+  std::uint32_t id = 0;
+  FormKind label = FormKind::face;
+  PatchShape shape = PatchShape::plane;
+  std::uint64_t samples = 0;
+  double area_mm2 = 0.0;
+  std::array<double, 3> centroid{}, normal{};        ///< mm; unit vector
+  double plane_residual_mm = 0.0, quadric_residual_mm = 0.0; ///< root mean square
+  std::vector<std::uint32_t> neighbours;
+  bool doubtful = false; ///< grown together over a contact that is short against its cut border
+
+  friend bool operator==(const Patch&, const Patch&) = default;
+};
+
+/// A form feature: the patches that make it up.
+struct Form {
+  FormKind kind = FormKind::face;
+  std::vector<std::uint32_t> patches;
+  double confidence = 0.0; ///< share of its border that feature lines back
+
+  friend bool operator==(const Form&, const Form&) = default;
+};
+
+/// What the feature stage found out between two groups of lines; everything in it is settled.
+struct FeatureReport {
+  std::uint64_t group = 0; ///< the group after whose lines it was made
+  std::vector<FeatureLine> lines;
+  std::vector<PatchRun> runs;
+  std::vector<PatchMerge> merges;
+  std::vector<Patch> patches;
+  std::vector<Form> forms;
+
+  [[nodiscard]] bool empty() const noexcept {
+    return lines.empty() && runs.empty() && merges.empty() && patches.empty() && forms.empty();
+  }
+  void clear() noexcept {
+    lines.clear();
+    runs.clear();
+    merges.clear();
+    patches.clear();
+    forms.clear();
+  }
+  friend bool operator==(const FeatureReport&, const FeatureReport&) = default;
+};
+
+} // namespace scansion

@@ -1,0 +1,24 @@
+// What can be set about feature lines and patches. Lengths in millimetres, angles in degrees.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+namespace scansion {
+
+/// Which rules link a point to a feature line.
+enum class Linking : std::uint8_t {
+  soft, ///< costs that add up
+  paper ///< the three similarities as equalities (paper, section 5)
+};
+
+struct FeatureSettings {
+  Linking linking = Linking::soft;
+  std::optional<double> noise_mm; ///< sigma of the height, found once on a flat target; empty: estimated line by line
+  double noise_correlation = 1.0; ///< the estimate is multiplied by this; 3 for laser triangulation
+
+  friend bool operator==(const FeatureSettings&, const FeatureSettings&) = default;
+};
+
+} // namespace scansion
