@@ -4,6 +4,7 @@
 
 #include "pipeline/feature/feature_line.hpp"
 #include "pipeline/feature/settings.hpp"
+#include "pipeline/model/alpha_set.hpp"
 #include "pipeline/model/lattice.hpp"
 #include "pipeline/model/scan_line.hpp"
 
@@ -16,6 +17,7 @@ namespace scansion {
 /// is a function of the lines alone. Thread-bound.
 class FeatureStage {
 public:
+  /// `lattice` must have a resolution in mm (see resolution_mm).
   FeatureStage(const Lattice& lattice, const FeatureSettings& settings);
   ~FeatureStage();
   FeatureStage(FeatureStage&&) noexcept;
@@ -23,6 +25,8 @@ public:
 
   /// `distance` is that of the Ranker, one value per point of the group. Adds to `report` what has been settled.
   void add(const LineGroup& group, std::span<const double> distance, FeatureReport& report);
+  /// The alpha-set in force from the next group on: FeatureLine::level counts in it.
+  void set_levels(const AlphaSet& alpha);
   /// Lines are missing between the group before and the next one.
   void skip(const Gap& gap);
   /// The scan ends: everything that is still open is settled.

@@ -1,0 +1,250 @@
+// Slopes before and after a row, for all columns at once; what bends most is then measured like a point of a profile.
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/feature/columns.hpp"
+
+#include "pipeline/feature/detector.hpp"
+
+#include <cmath>
+#include <limits>
+
+namespace scansion {
+
+namespace {
+
+constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+constexpr float kLeastSlopeChange = 0.1228F; // tan 7 degrees
+constexpr double kMostMissed = 3.6;          // spacings within a window
+
+} // namespace
+
+Columns::Columns(const Sampling& sampling) : pitch_(sampling.pitch) {
+  window_ = FitScale::of(sampling.noise, sampling.spacing, sampling.coarse()).least_window;
+  ring_.resize(2 * lag() + 3);
+}
+
+bool Columns::make_room(double low, double high) {
+  const auto first = static_cast<std::int64_t>(std::ceil(low / pitch_));
+  const auto last = static_cast<std::int64_t>(std::floor(high / pitch_));
+  if (last < first) return false;
+  const std::int64_t left = width_ == 0 ? first : std::min(first, left_);
+  const std::int64_t right = width_ == 0 ? last : std::max(last, left_ + static_cast<std::int64_t>(width_) - 1);
+  if (right - left >= kMostColumns) return false;
+  const auto width = static_cast<std::size_t>(right - left + 1);
+  if (width == width_ && left == left_) return true;
+  // Room to spare, so that lines whose ends wander do not move everything each time.
+  const std::int64_t spare = width_ == 0 ? 0 : 64;
+  const std::int64_t new_left = left < left_ || width_ == 0 ? left - spare : left_;
+  const auto new_width = static_cast<std::size_t>(right - new_left + 1 + spare);
+  const auto shift = static_cast<std::size_t>(width_ == 0 ? 0 : left_ - new_left);
+  for (Row& r : ring_) {
+    for (auto* values : {&r.height, &r.bend}) {
+      std::vector<float> moved(new_width, kNone);
+      std::copy(values->begin(), values->end(), moved.begin() + static_cast<std::ptrdiff_t>(shift));
+      *values = std::move(moved);
+    }
+    std::vector<std::uint32_t> source(new_width, 0);
+    std::copy(r.source.begin(), r.source.end(), source.begin() + static_cast<std::ptrdiff_t>(shift));
+    r.source = std::move(source);
+  }
+  left_ = new_left;
+  width_ = new_width;
+  return true;
+}
+
+void Columns::resample(const Profile& profile, const Sampling& sampling, Row& out) const {
+  constexpr double kWidest = 3.5; // pitches between samples
+  std::fill(out.height.begin(), out.height.end(), kNone);
+  const double jump = std::max(6.0 * sampling.noise, 1.5 * sampling.pitch);
+  std::uint32_t begin = 0;
+  for (const std::uint32_t end : profile.ends) {
+    auto column = static_cast<std::int64_t>(std::ceil(profile.s[begin] / pitch_));
+    for (std::uint32_t k = begin; k + 1 < end; ++k) {
+      const double s0 = profile.s[k], s1 = profile.s[k + 1];
+      double place = static_cast<double>(column) * pitch_;
+      if (place > s1) continue;
+      const double w0 = profile.w[k], w1 = profile.w[k + 1];
+      const bool steep = std::abs(w1 - w0) > jump;
+      if (s1 - s0 > kWidest * pitch_) {
+        column = static_cast<std::int64_t>(std::ceil(s1 / pitch_));
+        continue;
+      }
+      const double slope = (w1 - w0) / (s1 - s0);
+      for (; place <= s1; place = static_cast<double>(++column) * pitch_) {
+        const double w = steep ? (place - s0 < s1 - place ? w0 : w1) : w0 + slope * (place - s0);
+        const auto j = static_cast<std::size_t>(column - left_);
+        out.height[j] = static_cast<float>(w - base_);
+        out.source[j] = profile.source[place - s0 < s1 - place ? k : k + 1];
+      }
+    }
+    begin = end;
+  }
+}
+
+void Columns::add(const Profile& profile, const Sampling& sampling, std::vector<ColumnPoint>& out) {
+  if (profile.size() < 2 || !make_room(profile.s.front(), profile.s.back())) return;
+  if (next_ == 0) base_ = profile.w[0];
+  const std::int64_t r = next_++;
+  first_ = std::max(first_, next_ - static_cast<std::int64_t>(ring_.size()));
+  Row& newest = row(r);
+  newest.c = profile.c;
+  newest.line = profile.line;
+  resample(profile, sampling, newest);
+  std::fill(newest.bend.begin(), newest.bend.end(), kNone);
+  const auto n = static_cast<std::int64_t>(window_);
+  if (r >= n) screen(r - n, sampling);
+  const auto late = static_cast<std::int64_t>(lag());
+  if (r >= late) harvest(r - late, sampling, out);
+}
+
+void Columns::finish(const Sampling& sampling, std::vector<ColumnPoint>& out) {
+  const auto n = static_cast<std::int64_t>(window_), late = static_cast<std::int64_t>(lag());
+  for (std::int64_t r = std::max<std::int64_t>(first_, next_ - n); r < next_; ++r) screen(r, sampling);
+  for (std::int64_t r = std::max<std::int64_t>(first_, next_ - late); r < next_; ++r) harvest(r, sampling, out);
+}
+
+// Slope after minus slope before for row r: one weighted sum of rows.
+void Columns::screen(std::int64_t r, const Sampling& sampling) {
+  Row& centre = row(r);
+  const auto n = static_cast<std::int64_t>(window_);
+  // At least three rows a side; fewer than N at the ends of the scan.
+  const std::int64_t low = std::max(first_, r - n), high = std::min(next_ - 1, r + n);
+  if (r - low < 3 || high - r < 3) return;
+  const auto weigh = [&](std::int64_t from, std::int64_t to, std::vector<double>& weights) {
+    double mean = 0.0, square = 0.0;
+    for (std::int64_t k = from; k <= to; ++k) mean += row(k).c;
+    mean /= static_cast<double>(to - from + 1);
+    for (std::int64_t k = from; k <= to; ++k) square += (row(k).c - mean) * (row(k).c - mean);
+    weights.clear();
+    for (std::int64_t k = from; k <= to; ++k) weights.push_back(square > 0.0 ? (row(k).c - mean) / square : 0.0);
+  };
+  for (std::int64_t k = low + 1; k <= high; ++k)
+    if (row(k).c - row(k - 1).c > kMostMissed * sampling.spacing) return;
+  weigh(low, r - 1, before_);
+  weigh(r + 1, high, after_);
+  float* bend = centre.bend.data();
+  std::fill(centre.bend.begin(), centre.bend.end(), 0.0F);
+  const auto accumulate = [&](std::int64_t k, double weight) {
+    const float* height = row(k).height.data();
+    const auto factor = static_cast<float>(weight);
+    for (std::size_t j = 0; j < width_; ++j) bend[j] += factor * height[j];
+  };
+  for (std::int64_t k = low; k < r; ++k) accumulate(k, -before_[static_cast<std::size_t>(k - low)]);
+  for (std::int64_t k = r + 1; k <= high; ++k) accumulate(k, after_[static_cast<std::size_t>(k - r - 1)]);
+}
+
+// Copies a column around row r into s_, w_ without its holes.
+void Columns::copy_column(std::int64_t r, std::size_t column, std::int64_t reach) {
+  s_.clear();
+  w_.clear();
+  for (std::int64_t k = std::max(first_, r - reach); k <= std::min(next_ - 1, r + reach); ++k) {
+    const float height = row(k).height[column];
+    if (std::isnan(height)) continue;
+    s_.push_back(row(k).c);
+    w_.push_back(static_cast<double>(height) + base_);
+  }
+}
+
+ColumnPoint Columns::column_point(std::int64_t r, std::size_t column, const FeaturePoint& feature) const {
+  ColumnPoint point;
+  point.column = left_ + static_cast<std::int64_t>(column);
+  point.s = static_cast<double>(point.column) * pitch_;
+  point.feature = feature;
+  point.feature.partner = -1;
+  point.feature.line = row(r).line;
+  point.feature.sample = row(r).source[column];
+  return point;
+}
+
+void Columns::measure_bend(std::int64_t r, std::size_t column, const Sampling& sampling, const FitScale& scale,
+                           std::vector<ColumnPoint>& out) {
+  // The fit does not pass rows that bend half as much themselves, nor walls.
+  const float own = std::abs(row(r).bend[column]);
+  const auto reach = static_cast<std::int64_t>(kReach * window_);
+  const auto n = static_cast<std::int64_t>(window_);
+  std::int64_t low = r, high = r;
+  const auto blocks = [&](std::int64_t k, std::int64_t neighbour) {
+    const double dw = std::abs(static_cast<double>(row(k).height[column]) - static_cast<double>(row(neighbour).height[column]));
+    return dw > std::max(8.0 * scale.noise, 0.09) && dw > 2.7474774 * std::abs(row(k).c - row(neighbour).c);
+  };
+  const auto peak = [&](std::int64_t k) {
+    if (std::abs(k - r) <= n / 2 || !has(k - 1) || !has(k + 1)) return false;
+    const float b = std::abs(row(k).bend[column]);
+    return b >= 0.5F * own && b >= std::abs(row(k - 1).bend[column]) && b >= std::abs(row(k + 1).bend[column]);
+  };
+  while (low - 1 >= std::max(first_, r - reach) && !blocks(low - 1, low)) {
+    --low;
+    if (peak(low)) break;
+  }
+  while (high + 1 <= std::min(next_ - 1, r + reach) && !blocks(high + 1, high)) {
+    ++high;
+    if (peak(high)) break;
+  }
+  if (r - low < 2 || high - r < 2) return;
+  s_.clear();
+  w_.clear();
+  std::uint32_t k = 0;
+  for (std::int64_t i = low; i <= high; ++i) {
+    const float height = row(i).height[column];
+    if (std::isnan(height)) continue;
+    if (i == r) k = static_cast<std::uint32_t>(s_.size());
+    s_.push_back(row(i).c);
+    w_.push_back(static_cast<double>(height) + base_);
+  }
+  if (k < 2 || k + 2 >= s_.size()) return;
+  const auto bend = find_bend({s_, w_}, k, 0, static_cast<std::uint32_t>(s_.size() - 1), scale);
+  if (!bend) return;
+  ColumnPoint point = column_point(r, column, make_point(*bend, 0, scale));
+  point.feature.width = std::log2(std::max(1.0, std::abs(static_cast<double>(own)) * static_cast<double>(window_) *
+                                                    sampling.spacing / 4.0 / least_distance(scale.noise)));
+  out.push_back(point);
+}
+
+// A wall between row r and the next one.
+void Columns::measure_step(std::int64_t r, std::size_t column, const FitScale& scale, std::vector<ColumnPoint>& out) {
+  copy_column(r, column, static_cast<std::int64_t>(lag()));
+  found_.clear();
+  walls_.clear();
+  steps_.find({s_, w_}, 0, static_cast<std::uint32_t>(s_.size()), scale, found_, walls_);
+  const double from = row(r).c, to = row(r + 1).c;
+  std::size_t next = 0;
+  for (const WallRun& wall : walls_) {
+    if (!wall.step) continue;
+    const std::size_t at = next;
+    next += 2;
+    // A wall over several rows belongs to its first interval.
+    if (s_[wall.first] < from - 1e-9 || s_[wall.first] >= to - 1e-9) continue;
+    for (const std::size_t i : {at, at + 1}) {
+      ColumnPoint point = column_point(r, column, found_[i]);
+      const double height = std::abs(found_[at].w - found_[at + 1].w);
+      point.feature.width = std::log2(std::max(1.0, 0.5 * height / least_distance(scale.noise)));
+      out.push_back(point);
+    }
+  }
+}
+
+void Columns::harvest(std::int64_t r, const Sampling& sampling, std::vector<ColumnPoint>& out) {
+  const FitScale scale = FitScale::of(sampling.noise, sampling.spacing, sampling.coarse());
+  const auto n = static_cast<double>(window_);
+  const double length = n * sampling.spacing;
+  const auto least = std::max(kLeastSlopeChange, static_cast<float>(kLeastSignificance * scale.noise *
+                                                                    std::sqrt(24.0 / (n * length * length))));
+  const auto near = std::max<std::int64_t>(1, static_cast<std::int64_t>(window_) / 2);
+  const Row& centre = row(r);
+  const bool wall_possible = has(r + 1);
+  const auto wall = static_cast<float>(std::max(8.0 * scale.noise, 0.05));
+  for (std::size_t j = 0; j < width_; ++j) {
+    const float own = centre.bend[j];
+    if (std::abs(own) >= least) {
+      bool best = true;
+      for (std::int64_t k = r - near; best && k <= r + near; ++k) {
+        if (k == r || !has(k)) continue;
+        const float other = row(k).bend[j] * (own < 0.0F ? -1.0F : 1.0F);
+        best = k < r ? !(other >= std::abs(own)) : !(other > std::abs(own));
+      }
+      if (best) measure_bend(r, j, sampling, scale, out);
+    }
+    if (wall_possible && std::abs(row(r + 1).height[j] - centre.height[j]) > wall) measure_step(r, j, scale, out);
+  }
+}
+
+} // namespace scansion

@@ -1,0 +1,75 @@
+// The last scan lines resampled to columns, and what stands out across the lines (docs/FEATURES.md, "Crosswise pass").
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "pipeline/feature/sampling.hpp"
+#include "pipeline/feature/steps.hpp"
+
+#include <cstdint>
+#include <vector>
+
+namespace scansion {
+
+/// A significant point of one column: FeaturePoint::s is its place across the lines (c).
+struct ColumnPoint {
+  std::int64_t column = 0;
+  double s = 0.0; ///< mm, place of the column along the lines
+  FeaturePoint feature;
+};
+
+/// Rows are scan lines, columns stand at whole multiples of the pitch along them. Holds as many rows as the widest fit needs;
+/// findings come that many rows late. Thread-bound; allocates only while lines grow longer.
+class Columns {
+public:
+  /// More columns than this are not looked at: a scan of that extent against its pitch is no surface.
+  static constexpr std::int64_t kMostColumns = 1 << 16;
+
+  /// `sampling` of the first lines fixes the columns.
+  explicit Columns(const Sampling& sampling);
+
+  /// Takes the next row; adds what is found `lag()` rows before it, in ascending column.
+  void add(const Profile& profile, const Sampling& sampling, std::vector<ColumnPoint>& out);
+  /// Adds what the last rows still hold.
+  void finish(const Sampling& sampling, std::vector<ColumnPoint>& out);
+  /// Rows are missing: windows do not reach over them.
+  [[nodiscard]] std::size_t lag() const noexcept { return window_ * kReach + 2; }
+  [[nodiscard]] double pitch() const noexcept { return pitch_; }
+
+private:
+  static constexpr std::size_t kReach = 2; // widest window in units of the least one
+
+  struct Row {
+    double c = 0.0;
+    std::uint64_t line = 0;
+    std::vector<std::uint32_t> source; // sample of the scan line
+    std::vector<float> height;  // NaN where there is none; relative to base_
+    std::vector<float> bend;    // slope after minus slope before, over the least window; NaN: unknown
+  };
+  [[nodiscard]] Row& row(std::int64_t r) noexcept { return ring_[static_cast<std::size_t>(r) % ring_.size()]; }
+  [[nodiscard]] const Row& row(std::int64_t r) const noexcept { return ring_[static_cast<std::size_t>(r) % ring_.size()]; }
+  [[nodiscard]] bool has(std::int64_t r) const noexcept { return r >= first_ && r < next_; }
+
+  [[nodiscard]] bool make_room(double low, double high);
+  void resample(const Profile& profile, const Sampling& sampling, Row& out) const;
+  void screen(std::int64_t r, const Sampling& sampling);
+  void harvest(std::int64_t r, const Sampling& sampling, std::vector<ColumnPoint>& out);
+  void measure_bend(std::int64_t r, std::size_t column, const Sampling& sampling, const FitScale& scale,
+                    std::vector<ColumnPoint>& out);
+  void measure_step(std::int64_t r, std::size_t column, const FitScale& scale, std::vector<ColumnPoint>& out);
+  void copy_column(std::int64_t r, std::size_t column, std::int64_t reach);
+  [[nodiscard]] ColumnPoint column_point(std::int64_t r, std::size_t column, const FeaturePoint& feature) const;
+
+  double pitch_ = 1.0, base_ = 0.0;
+  std::size_t window_ = 5; // N: rows a side
+  std::int64_t left_ = 0;  // number of the first column
+  std::size_t width_ = 0;  // columns
+  std::vector<Row> ring_;
+  std::int64_t first_ = 0, next_ = 0; // rows held
+  std::vector<double> before_, after_; // weights of rows in slopes
+  std::vector<double> s_, w_;          // one column
+  StepFinder steps_;
+  std::vector<FeaturePoint> found_;
+  std::vector<WallRun> walls_;
+};
+
+} // namespace scansion

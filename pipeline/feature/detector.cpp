@@ -1,0 +1,153 @@
+// Steps first, then the ranked points that no step explains.
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/feature/detector.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace scansion {
+
+namespace {
+
+constexpr std::uint32_t kLineEnd = 3; // samples at the end of a run that show no feature
+
+double angle(double ds, double dw) noexcept {
+  return std::atan2(dw, ds) * 180.0 / std::numbers::pi;
+}
+
+} // namespace
+
+double least_distance(double noise) noexcept {
+  return std::max(4.0 * noise, 0.012);
+}
+
+FeaturePoint make_point(const Bend& bend, std::uint32_t k, const FitScale& scale) noexcept {
+  FeaturePoint p;
+  p.s = bend.s;
+  p.w = bend.w;
+  p.k = k;
+  p.theta_before = bend.theta_before;
+  p.theta_after = bend.theta_after;
+  p.tau = bend.tau;
+  p.sigma_tau = bend.sigma_tau;
+  p.sharpness = bend.sharpness;
+  p.window = bend.window;
+  const double sine = std::abs(std::sin(bend.tau * std::numbers::pi / 180.0));
+  p.sigma_s = std::min(2.0 * scale.pitch, 1.5 * scale.noise / std::max(0.1, sine)) + 0.15 * scale.pitch;
+  p.element = classify(p.theta_before, p.theta_after);
+  p.type = p.tau < 0.0 ? FeatureType::convex : FeatureType::concave;
+  if (p.element == ShapeElement::step_top) p.type = FeatureType::step_top;
+  if (p.element == ShapeElement::step_bottom) p.type = FeatureType::step_bottom;
+  return p;
+}
+
+void Detector::add_vertex(const Profile& profile, const Vertex& vertex, const Sampling& sampling, const FitScale& scale,
+                          double least) {
+  constexpr double kSlope = 14.0, kTotal = 42.0; // degrees: of a smooth crest
+  const Heights heights{profile.s, profile.w};
+  std::optional<Bend> bend = find_bend(heights, vertex.k, vertex.before, vertex.after, scale);
+  bool smooth = false;
+  if (!bend || bend->sharpness < 0.0) {
+    const double before = angle(profile.s[vertex.k] - profile.s[vertex.before], profile.w[vertex.k] - profile.w[vertex.before]);
+    const double after = angle(profile.s[vertex.after] - profile.s[vertex.k], profile.w[vertex.after] - profile.w[vertex.k]);
+    const bool crest = before * after < 0.0 && std::min(std::abs(before), std::abs(after)) >= kSlope &&
+                       std::abs(after - before) >= kTotal;
+    if (crest) {
+      const double limit = std::max(2.0, 4.0 * sampling.coarse());
+      if (auto vertex_bend = find_crest(heights, vertex.k, vertex.before, vertex.after, limit, scale)) {
+        const double sharpness = bend ? bend->sharpness : 0.0;
+        bend = vertex_bend;
+        bend->theta_before = before;
+        bend->theta_after = after;
+        bend->tau = after - before;
+        bend->sigma_tau = 1.0;
+        bend->sharpness = std::max(0.0, sharpness);
+        smooth = true;
+      }
+    }
+  }
+  if (!bend) return;
+  FeaturePoint p = make_point(*bend, vertex.k, scale);
+  p.width = std::log2(profile.distance[vertex.k] / least);
+  if (smooth) {
+    p.smooth = true;
+    p.type = p.tau < 0.0 ? FeatureType::ridge : FeatureType::valley;
+  }
+  found_.push_back(p);
+}
+
+// A weaker bend within the window of a coarser one of its polarity is part of that one.
+void Detector::drop_parts(const Sampling& sampling) {
+  constexpr double kWeaker = 1.4;
+  dropped_.assign(found_.size(), false);
+  for (std::size_t i = 0; i < found_.size(); ++i) {
+    const FeaturePoint& coarse = found_[i];
+    if (coarse.step || coarse.window == 0) continue;
+    const double reach = coarse.window * sampling.pitch;
+    const auto check = [&](std::size_t j) {
+      const FeaturePoint& fine = found_[j];
+      if (fine.step || fine.window >= coarse.window || fine.convex() != coarse.convex()) return;
+      if (std::abs(fine.tau) * kWeaker < std::abs(coarse.tau)) dropped_[j] = true;
+    };
+    for (std::size_t j = i; j-- > 0 && coarse.s - found_[j].s <= reach;) check(j);
+    for (std::size_t j = i + 1; j < found_.size() && found_[j].s - coarse.s <= reach; ++j) check(j);
+  }
+}
+
+void Detector::sort(std::vector<FeaturePoint>& out) {
+  order_.resize(found_.size());
+  place_.assign(found_.size(), 0);
+  for (std::uint32_t i = 0; i < order_.size(); ++i) order_[i] = i;
+  std::sort(order_.begin(), order_.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return found_[a].s != found_[b].s ? found_[a].s < found_[b].s : a < b;
+  });
+  for (std::uint32_t i = 0; i < order_.size(); ++i) place_[order_[i]] = i;
+  out.clear();
+  for (const std::uint32_t i : order_) {
+    FeaturePoint p = found_[i];
+    if (p.partner >= 0) p.partner = static_cast<std::int32_t>(place_[static_cast<std::size_t>(p.partner)]);
+    out.push_back(p);
+  }
+}
+
+void Detector::detect(const Profile& profile, const Sampling& sampling, std::vector<FeaturePoint>& out) {
+  found_.clear();
+  walls_.clear();
+  const FitScale scale = FitScale::of(sampling.noise, sampling.pitch, sampling.coarse());
+  const double least = least_distance(sampling.noise);
+  const Heights heights{profile.s, profile.w};
+  std::uint32_t begin = 0;
+  for (const std::uint32_t end : profile.ends) {
+    steps_.find(heights, begin, end, scale, found_, walls_);
+    begin = end;
+  }
+  for (FeaturePoint& p : found_) {
+    const FeaturePoint& other = found_[static_cast<std::size_t>(p.partner)];
+    p.width = std::log2(std::max(1.0, 0.5 * std::abs(p.w - other.w) / least));
+  }
+  find_vertices(profile, least, stack_, vertices_);
+  std::size_t wall = 0, run = 0;
+  begin = 0;
+  for (const Vertex& vertex : vertices_) {
+    while (vertex.k >= profile.ends[run]) begin = profile.ends[run++];
+    if (vertex.k < begin + kLineEnd || vertex.k + kLineEnd >= profile.ends[run]) continue;
+    while (wall < walls_.size() && walls_[wall].last + 1 < vertex.k) ++wall;
+    if (wall < walls_.size() && walls_[wall].step && vertex.k + 1 >= walls_[wall].first) continue;
+    add_vertex(profile, vertex, sampling, scale, least);
+  }
+  sort(out);
+  std::swap(found_, out);
+  drop_parts(sampling);
+  // What stays keeps its order; partners are steps, which are never dropped.
+  place_.assign(found_.size(), 0);
+  out.clear();
+  for (std::uint32_t i = 0; i < found_.size(); ++i) {
+    place_[i] = static_cast<std::uint32_t>(out.size());
+    if (!dropped_[i]) out.push_back(found_[i]);
+  }
+  for (FeaturePoint& p : out)
+    if (p.partner >= 0) p.partner = static_cast<std::int32_t>(place_[static_cast<std::size_t>(p.partner)]);
+}
+
+} // namespace scansion

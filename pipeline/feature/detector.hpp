@@ -1,0 +1,35 @@
+// All significant points of one profile.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "pipeline/feature/steps.hpp"
+#include "pipeline/feature/vertices.hpp"
+
+namespace scansion {
+
+/// Thread-bound: holds scratch and allocates nothing in the steady state.
+class Detector {
+public:
+  /// Fills `out` in ascending s.
+  void detect(const Profile& profile, const Sampling& sampling, std::vector<FeaturePoint>& out);
+
+private:
+  void add_vertex(const Profile& profile, const Vertex& vertex, const Sampling& sampling, const FitScale& scale, double least);
+  void drop_parts(const Sampling& sampling);
+  void sort(std::vector<FeaturePoint>& out);
+
+  StepFinder steps_;
+  std::vector<WallRun> walls_;
+  std::vector<Vertex> vertices_;
+  std::vector<std::uint32_t> stack_, order_, place_;
+  std::vector<FeaturePoint> found_;
+  std::vector<bool> dropped_;
+};
+
+/// The least D of the working set (d_n of the octaves upwards from the noise), mm.
+[[nodiscard]] double least_distance(double noise) noexcept;
+
+/// A point from what was measured at sample k, with its class and its uncertainty.
+[[nodiscard]] FeaturePoint make_point(const Bend& bend, std::uint32_t k, const FitScale& scale) noexcept;
+
+} // namespace scansion

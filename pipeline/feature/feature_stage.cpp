@@ -1,0 +1,139 @@
+// Groups to profiles to curves to feature lines.
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/feature/feature_stage.hpp"
+
+#include "pipeline/feature/line_finder.hpp"
+#include "pipeline/feature/publisher.hpp"
+#include "pipeline/feature/spikes.hpp"
+
+#include <cmath>
+
+namespace scansion {
+
+namespace {
+
+constexpr std::size_t kFewestVertices = 5;
+
+Vector3 origin_mm(const std::array<std::int64_t, 3>& origin, double resolution) {
+  return {static_cast<double>(origin[0]) * resolution, static_cast<double>(origin[1]) * resolution,
+          static_cast<double>(origin[2]) * resolution};
+}
+
+} // namespace
+
+struct FeatureStage::Impl {
+  Impl(Rational resolution_mm, const std::array<std::int64_t, 3>& origin, const FeatureSettings& settings)
+      : resolution(resolution_mm.value()), estimator(settings, resolution_mm.value()), spikes(resolution_mm),
+        finder(settings.linking), publisher(origin_mm(origin, resolution)) {}
+
+  void take(const LineGroup& group, const ScanLine& line, std::span<const double> distance, RawLine& out) const;
+  void begin();
+  void process(const RawLine& line);
+  void publish(FeatureReport& report);
+
+  double resolution;
+  FrameFinder frame_finder;
+  std::optional<Frame> frame;
+  std::vector<RawLine> waiting; ///< the first lines, until the frame is known
+  RawLine raw;
+  Profile profile;
+  SamplingEstimator estimator;
+  SpikeFilter spikes;
+  LineFinder finder;
+  Publisher publisher;
+  std::vector<Curve> curves;
+  AlphaSet alpha;
+  std::optional<double> last_c;
+  std::uint64_t refused = 0; ///< lines at the place of the line before
+};
+
+void FeatureStage::Impl::take(const LineGroup& group, const ScanLine& line, std::span<const double> distance,
+                              RawLine& out) const {
+  out.index = line.index;
+  out.x.clear();
+  out.y.clear();
+  out.z.clear();
+  out.distance.clear();
+  out.ends.clear();
+  for (const Run& run : group.runs_of(line)) {
+    for (std::uint32_t k = run.first; k < run.first + run.count; ++k) {
+      out.x.push_back(group.xyz[0][k] * resolution);
+      out.y.push_back(group.xyz[1][k] * resolution);
+      out.z.push_back(group.xyz[2][k] * resolution);
+      out.distance.push_back(distance[k]);
+    }
+    out.ends.push_back(static_cast<std::uint32_t>(out.x.size()));
+  }
+}
+
+void FeatureStage::Impl::begin() {
+  frame = frame_finder.frame();
+  // The sampling is wanted before the first line is searched.
+  for (const RawLine& line : waiting) {
+    make_profile(line, *frame, profile);
+    estimator.add(profile);
+  }
+  for (const RawLine& line : waiting) process(line);
+  waiting.clear();
+}
+
+void FeatureStage::Impl::process(const RawLine& line) {
+  constexpr double kSamePlace = 0.3; // spacings
+  make_profile(line, *frame, profile);
+  if (profile.size() < 2) return;
+  const Sampling sampling = estimator.value();
+  if (last_c && profile.c < *last_c - kSamePlace * sampling.spacing) {
+    finder.finish(sampling, FeatureEnd::gap, curves);
+  } else if (last_c && profile.c - *last_c < kSamePlace * sampling.spacing) {
+    ++refused;
+    return;
+  }
+  last_c = profile.c;
+  spikes.clean(profile, sampling.noise);
+  finder.add(profile, sampling, curves);
+}
+
+void FeatureStage::Impl::publish(FeatureReport& report) {
+  const Sampling sampling = estimator.value();
+  for (const Curve& curve : curves)
+    if (curve.points.size() >= kFewestVertices) report.lines.push_back(publisher.publish(curve, *frame, sampling, alpha));
+  curves.clear();
+}
+
+FeatureStage::FeatureStage(const Lattice& lattice, const FeatureSettings& settings)
+    : impl_(std::make_unique<Impl>(resolution_mm(lattice).value(), lattice.origin, settings)) {}
+FeatureStage::~FeatureStage() = default;
+FeatureStage::FeatureStage(FeatureStage&&) noexcept = default;
+FeatureStage& FeatureStage::operator=(FeatureStage&&) noexcept = default;
+
+void FeatureStage::set_levels(const AlphaSet& alpha) {
+  impl_->alpha = alpha;
+}
+
+void FeatureStage::add(const LineGroup& group, std::span<const double> distance, FeatureReport& report) {
+  Impl& m = *impl_;
+  for (const ScanLine& line : group.lines) {
+    m.take(group, line, distance, m.raw);
+    if (m.frame) {
+      m.process(m.raw);
+      m.estimator.add(m.profile);
+      continue;
+    }
+    m.frame_finder.add(m.raw.x, m.raw.y, m.raw.z);
+    m.waiting.push_back(m.raw);
+    if (m.frame_finder.lines() >= FrameFinder::kLines) m.begin();
+  }
+  m.publish(report);
+}
+
+void FeatureStage::skip(const Gap&) {}
+
+void FeatureStage::finish(FeatureReport& report) {
+  Impl& m = *impl_;
+  if (!m.frame && m.frame_finder.lines() > 0) m.begin();
+  if (!m.frame) return;
+  m.finder.finish(m.estimator.value(), FeatureEnd::open, m.curves);
+  m.publish(report);
+}
+
+} // namespace scansion

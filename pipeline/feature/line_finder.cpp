@@ -1,0 +1,91 @@
+// The order of work on each line.
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/feature/line_finder.hpp"
+
+#include "pipeline/feature/smoothing.hpp"
+
+#include <algorithm>
+
+namespace scansion {
+
+namespace {
+
+constexpr std::uint32_t kSettleEvery = 16; // lines
+constexpr std::size_t kFewestPoints = 4;   // of a stretch
+constexpr std::size_t kSmoothLag = 4;      // points behind the newest whose place no longer changes
+
+} // namespace
+
+void LineFinder::add(const Profile& profile, const Sampling& sampling, std::vector<Curve>& out) {
+  if (!columns_) columns_.emplace(sampling);
+  detector_.detect(profile, sampling, points_);
+  const std::size_t first = ended_.size();
+  tracker_.add(profile, static_cast<std::int64_t>(profile.line), points_, sampling, ended_);
+  for (Track& track : tracker_.live()) {
+    const std::size_t n = track.points.size();
+    if (n > kSmoothLag) smooth(track, n - kSmoothLag - 1, n - kSmoothLag);
+  }
+  column_points_.clear();
+  columns_->add(profile, sampling, column_points_);
+  rows_.push_back(profile.c);
+  if (rows_.size() > columns_->lag() + 1) rows_.erase(rows_.begin());
+  const double harvested = rows_.size() > columns_->lag() ? rows_.front() : -std::numeric_limits<double>::infinity();
+  crosswise_.add(column_points_, columns_->pitch(), harvested - 2.0 * sampling.spacing, sampling, ended_);
+  for (std::size_t i = first; i < ended_.size(); ++i) smooth(ended_[i], 0, ended_[i].points.size());
+  if (++since_settled_ < kSettleEvery) return;
+  since_settled_ = 0;
+  settle(harvested - 10.0 * sampling.coarse(), sampling, out);
+}
+
+void LineFinder::settle(double settled, const Sampling& sampling, std::vector<Curve>& out) {
+  deciding_.clear();
+  live_ends_.clear();
+  for (Track& track : tracker_.live()) {
+    if (!track.confirmed) continue;
+    deciding_.push_back(&track);
+    live_ends_.push_back({track.s_of(track.points.front()), track.c_of(track.points.front()), track.convex()});
+  }
+  for (Track& track : crosswise_.live()) {
+    if (!is_confirmed(track)) continue;
+    deciding_.push_back(&track);
+    for (const TrackPoint* p : {&track.points.front(), &track.points.back()})
+      live_ends_.push_back({track.s_of(*p), track.c_of(*p), track.convex()});
+  }
+  for (Track& track : ended_) deciding_.push_back(&track);
+  union_.decide(deciding_, settled, sampling);
+  std::vector<Curve> stretches;
+  for (Track& track : ended_) {
+    const bool decided = std::none_of(track.points.begin(), track.points.end(),
+                                      [](const TrackPoint& p) { return p.verdict == Verdict::open; });
+    if (!decided) {
+      for (const TrackPoint* p : {&track.points.front(), &track.points.back()})
+        live_ends_.push_back({track.s_of(*p), track.c_of(*p), track.convex()});
+      continue;
+    }
+    cut_stretches(track, kFewestPoints, stretches);
+    track.points.clear();
+  }
+  std::erase_if(ended_, [](const Track& t) { return t.points.empty(); });
+  for (Curve& curve : stretches) joiner_.take(std::move(curve));
+  joiner_.advance(settled, live_ends_, sampling, out);
+}
+
+void LineFinder::finish(const Sampling& sampling, FeatureEnd reason, std::vector<Curve>& out) {
+  const std::size_t first = ended_.size();
+  tracker_.finish(reason, ended_);
+  if (columns_) {
+    column_points_.clear();
+    columns_->finish(sampling, column_points_);
+    crosswise_.add(column_points_, columns_->pitch(), -std::numeric_limits<double>::infinity(), sampling, ended_);
+  }
+  crosswise_.finish(ended_);
+  for (std::size_t i = first; i < ended_.size(); ++i) smooth(ended_[i], 0, ended_[i].points.size());
+  settle(std::numeric_limits<double>::infinity(), sampling, out);
+  columns_.reset();
+  rows_.clear();
+  tracker_ = Tracker(linking_);
+  crosswise_ = CrosswiseLinker(linking_);
+  union_ = Union();
+}
+
+} // namespace scansion

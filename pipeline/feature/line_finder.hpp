@@ -1,0 +1,45 @@
+// From profiles to finished curves: both passes, their union and their joining, line by line.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "pipeline/feature/crosswise.hpp"
+#include "pipeline/feature/detector.hpp"
+#include "pipeline/feature/joiner.hpp"
+#include "pipeline/feature/tracker.hpp"
+#include "pipeline/feature/union.hpp"
+
+#include <limits>
+#include <optional>
+
+namespace scansion {
+
+/// Thread-bound.
+class LineFinder {
+public:
+  explicit LineFinder(Linking linking) : linking_(linking), tracker_(linking), crosswise_(linking) {}
+
+  /// The next profile, c ascending, spikes cleaned. Finished curves are added to `out`.
+  void add(const Profile& profile, const Sampling& sampling, std::vector<Curve>& out);
+  /// The scan ends, or goes on somewhere else.
+  void finish(const Sampling& sampling, FeatureEnd reason, std::vector<Curve>& out);
+
+private:
+  void settle(double settled, const Sampling& sampling, std::vector<Curve>& out);
+
+  Linking linking_;
+  Detector detector_;
+  Tracker tracker_;
+  CrosswiseLinker crosswise_;
+  std::optional<Columns> columns_;
+  Union union_;
+  Joiner joiner_;
+  std::vector<Track> ended_; ///< until all their points have a verdict
+  std::vector<FeaturePoint> points_;
+  std::vector<ColumnPoint> column_points_;
+  std::vector<double> rows_; ///< c of the last rows that lie in the columns
+  std::vector<Track*> deciding_;
+  std::vector<LiveEnd> live_ends_;
+  std::uint32_t since_settled_ = 0;
+};
+
+} // namespace scansion

@@ -1,0 +1,26 @@
+// Whether a point continues a track, and how well: the three similarities and the cone of influence.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "pipeline/feature/sampling.hpp"
+#include "pipeline/feature/settings.hpp"
+#include "pipeline/feature/track.hpp"
+
+#include <optional>
+
+namespace scansion {
+
+/// Where a track is expected at r, and how far from there a point may be; mm.
+struct Expectation {
+  double q = 0.0, w = 0.0, gate_q = 0.0, gate_w = 0.0;
+};
+
+/// `pitch` is the sampling step along q.
+[[nodiscard]] Expectation expect(const Axis& axis, double r, double pitch, double noise, double sigma_q) noexcept;
+
+/// The cost of continuing `track` with `point` at place q; empty: it does not. Below kMostCost.
+[[nodiscard]] std::optional<double> link_cost(const Track& track, const FeaturePoint& last, const Expectation& expected,
+                                              const FeaturePoint& point, double q, double w, Linking linking) noexcept;
+inline constexpr double kMostCost = 2.6;
+
+} // namespace scansion

@@ -1,0 +1,245 @@
+// Total least squares a side, a broken line against a parabola over both.
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/feature/local_fit.hpp"
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace scansion {
+
+namespace {
+
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+
+// Power sums about the sample in the middle: u along, v up.
+struct Moments {
+  double n = 0.0, u = 0.0, v = 0.0, uu = 0.0, uv = 0.0, vv = 0.0, uuu = 0.0, uuuu = 0.0, uuv = 0.0;
+
+  void add(double du, double dv) noexcept {
+    const double square = du * du;
+    n += 1.0;
+    u += du;
+    v += dv;
+    uu += square;
+    uv += du * dv;
+    vv += dv * dv;
+    uuu += square * du;
+    uuuu += square * square;
+    uuv += square * dv;
+  }
+};
+
+Moments operator+(const Moments& a, const Moments& b) noexcept {
+  return {a.n + b.n,   a.u + b.u,     a.v + b.v,       a.uu + b.uu,  a.uv + b.uv,
+          a.vv + b.vv, a.uuu + b.uuu, a.uuuu + b.uuuu, a.uuv + b.uuv};
+}
+
+struct Line {
+  double u = 0.0, v = 0.0; // a point of it
+  double theta = 0.0;      // radians
+};
+
+Line fit_line(const Moments& m) noexcept {
+  Line line{m.u / m.n, m.v / m.n, 0.0};
+  const double uu = m.uu - m.u * line.u, uv = m.uv - m.u * line.v, vv = m.vv - m.v * line.v;
+  line.theta = 0.5 * std::atan2(2.0 * uv, uu - vv);
+  return line;
+}
+
+struct Parabola {
+  double curvature = 0.0; // second derivative / 2
+  double slope = 0.0, middle = 0.0, offset = 0.0; // v = offset + slope (u - middle) + curvature (u - middle)^2
+  double error = 0.0;     // sum of squares
+};
+
+Parabola fit_parabola(const Moments& m) noexcept {
+  Parabola p;
+  const double c = m.u / m.n;
+  p.middle = c;
+  const double s2 = m.uu - c * m.u;
+  const double s3 = m.uuu - 3.0 * c * m.uu + 2.0 * c * c * m.u;
+  const double s4 = m.uuuu - 4.0 * c * m.uuu + 6.0 * c * c * m.uu - 3.0 * c * c * c * m.u;
+  const double mean = m.v / m.n;
+  const double uv = m.uv - c * m.v;
+  const double uuv = m.uuv - 2.0 * c * m.uv + c * c * m.v; // over (u - c)^2
+  const double vv = m.vv - m.v * mean;
+  const double norm = s4 - s3 * s3 / s2 - s2 * s2 / m.n;
+  const double q = uuv - s2 * mean - s3 / s2 * uv;
+  p.curvature = norm > 0.0 ? q / norm : 0.0;
+  p.slope = (uv - p.curvature * s3) / s2;
+  p.offset = mean - p.curvature * s2 / m.n;
+  p.error = std::max(0.0, vv - uv * uv / s2 - (norm > 0.0 ? q * q / norm : 0.0));
+  return p;
+}
+
+// Sum of squares of the best broken line with its corner at u0.
+double broken_error(const Heights& h, std::uint32_t l, std::uint32_t r, double s0, double w0) noexcept {
+  double n = 0.0, a = 0.0, b = 0.0, aa = 0.0, bb = 0.0, v = 0.0, av = 0.0, bv = 0.0, vv = 0.0;
+  for (std::uint32_t j = l; j <= r; ++j) {
+    const double u = h.s[j] - s0, y = h.w[j] - w0;
+    const double left = std::min(u, 0.0), right = std::max(u, 0.0);
+    n += 1.0;
+    a += left;
+    b += right;
+    aa += left * left;
+    bb += right * right;
+    v += y;
+    av += left * y;
+    bv += right * y;
+    vv += y * y;
+  }
+  const double fa = aa > 0.0 ? a / aa : 0.0, fb = bb > 0.0 ? b / bb : 0.0;
+  const double norm = n - a * fa - b * fb;
+  const double offset = norm > 1e-12 ? (v - fa * av - fb * bv) / norm : 0.0;
+  const double sa = aa > 0.0 ? (av - offset * a) / aa : 0.0, sb = bb > 0.0 ? (bv - offset * b) / bb : 0.0;
+  return std::max(0.0, vv - offset * v - sa * av - sb * bv);
+}
+
+// Collects moments a side as the window grows.
+class Window {
+public:
+  Window(const Heights& h, std::uint32_t k, std::uint32_t before, std::uint32_t after)
+      : h_(h), k_(k), before_(before), after_(after), l_(k), r_(k) {}
+
+  void grow(std::uint32_t samples) noexcept {
+    const std::uint32_t l = k_ - before_ > samples ? k_ - samples : before_;
+    const std::uint32_t r = std::min(after_, k_ + samples);
+    while (l_ > l) add(left_, --l_);
+    while (r_ < r) add(right_, ++r_);
+  }
+  [[nodiscard]] std::uint32_t samples() const noexcept { return r_ - l_; }
+  [[nodiscard]] Bend measure(std::uint32_t window, const FitScale& scale) const;
+
+private:
+  void add(Moments& side, std::uint32_t j) const noexcept { side.add(h_.s[j] - h_.s[k_], h_.w[j] - h_.w[k_]); }
+  [[nodiscard]] Line side(const Moments& m, std::uint32_t neighbour) const noexcept {
+    constexpr double kFewest = 3.0;
+    if (m.n >= kFewest) return fit_line(m);
+    const double du = h_.s[neighbour] - h_.s[k_], dv = h_.w[neighbour] - h_.w[k_];
+    return {0.0, 0.0, std::atan(dv / du)};
+  }
+  void refine(Bend& bend, const Line& before, const Line& after, std::uint32_t window, const FitScale& scale) const noexcept;
+
+  const Heights& h_;
+  std::uint32_t k_, before_, after_, l_, r_;
+  Moments left_, right_;
+};
+
+void Window::refine(Bend& bend, const Line& before, const Line& after, std::uint32_t window,
+                    const FitScale& scale) const noexcept {
+  bend.s = h_.s[k_];
+  bend.w = h_.w[k_];
+  const double ca = std::cos(before.theta), sa = std::sin(before.theta);
+  const double cb = std::cos(after.theta), sb = std::sin(after.theta);
+  const double cross = ca * sb - sa * cb;
+  if (std::abs(cross) < 1e-9) return;
+  const double t = ((after.u - before.u) * sb - (after.v - before.v) * cb) / cross;
+  const double u = before.u + t * ca, v = before.v + t * sa;
+  const double wider = window > scale.least_window ? 2.0 * window / scale.least_window : 1.0;
+  const double room = std::min(h_.s[k_] - h_.s[before_], h_.s[after_] - h_.s[k_]);
+  const double limit = std::min(3.5 * scale.pitch * wider, 0.6 * room + scale.pitch);
+  if (std::hypot(u, v) > limit) return;
+  bend.s += u;
+  bend.w += v;
+}
+
+Bend Window::measure(std::uint32_t window, const FitScale& scale) const {
+  Bend bend;
+  bend.window = window;
+  const Line before = side(left_, before_), after = side(right_, after_);
+  bend.theta_before = before.theta * kDegrees;
+  bend.theta_after = after.theta * kDegrees;
+  bend.tau = bend.theta_after - bend.theta_before;
+  bend.fitted = left_.n >= 3.0 && right_.n >= 3.0;
+  const auto share = [&](double n, double length) { return 12.0 / (std::max(n, 2.0) * length * length); };
+  const double reach_before = (h_.s[k_] - h_.s[std::min(l_, k_ - 1)]) / std::max(0.05, std::cos(before.theta));
+  const double reach_after = (h_.s[std::max(r_, k_ + 1)] - h_.s[k_]) / std::max(0.05, std::cos(after.theta));
+  bend.sigma_tau = scale.noise * std::sqrt(share(left_.n, reach_before) + share(right_.n, reach_after)) * kDegrees;
+  refine(bend, before, after, window, scale);
+
+  Moments all = left_ + right_;
+  all.n += 1.0;
+  if (all.n < 5.0) return bend;
+  const Parabola arc = fit_parabola(all);
+  const double floor = scale.noise / 2.0 + 0.0005; // mm
+  const double least = (all.n - 3.0) * floor * floor;
+  const double corner = broken_error(h_, l_, r_, bend.s, bend.w);
+  bend.sharpness = 0.5 * all.n * std::log(std::max(arc.error, least) / std::max(corner, least)) - 1.0;
+  const double slope = arc.slope;
+  bend.radius = std::pow(1.0 + slope * slope, 1.5) / std::max(2.0 * std::abs(arc.curvature), 1e-12);
+  return bend;
+}
+
+} // namespace
+
+double Bend::significance() const noexcept {
+  return std::abs(tau) / sigma_tau;
+}
+
+FitScale FitScale::of(double noise, double pitch, double coarse) noexcept {
+  FitScale scale;
+  scale.noise = noise;
+  scale.pitch = pitch;
+  const double wanted = std::cbrt(12.0 * noise * noise / (pitch * pitch * 0.026 * 0.026));
+  scale.least_window = static_cast<std::uint32_t>(std::clamp(std::ceil(wanted), 5.0, 24.0));
+  scale.arc_radius = std::max(3.0, 6.0 * coarse);
+  return scale;
+}
+
+Bend fit_bend(const Heights& heights, std::uint32_t k, std::uint32_t before, std::uint32_t after, std::uint32_t window,
+              const FitScale& scale) {
+  Window w(heights, k, before, after);
+  w.grow(window);
+  return w.measure(window, scale);
+}
+
+std::optional<Bend> find_bend(const Heights& heights, std::uint32_t k, std::uint32_t before, std::uint32_t after,
+                              const FitScale& scale) {
+  constexpr double kClearSharpness = 2.0, kClearSignificance = 8.0, kArc = -1.0, kSureCorner = 4.0;
+  Window window(heights, k, before, after);
+  std::optional<Bend> best;
+  bool arc = false;
+  std::uint32_t samples = 0;
+  for (std::uint32_t factor = 1; factor <= 8; factor *= 2) {
+    window.grow(factor * scale.least_window);
+    if (window.samples() == samples) break;
+    samples = window.samples();
+    const Bend bend = window.measure(factor * scale.least_window, scale);
+    if (bend.sharpness < kArc && bend.significance() >= kLeastSignificance && bend.radius > scale.arc_radius) arc = true;
+    if (bend.sharpness > kClearSharpness && bend.significance() > kClearSignificance) {
+      best = bend;
+      break;
+    }
+    if (!best || bend.sharpness > best->sharpness) best = bend;
+  }
+  if (!best || (arc && best->sharpness < kSureCorner)) return std::nullopt;
+  if (std::abs(best->tau) < kLeastTurning || best->significance() < kLeastSignificance) return std::nullopt;
+  return best;
+}
+
+std::optional<Bend> find_crest(const Heights& heights, std::uint32_t k, std::uint32_t before, std::uint32_t after,
+                               double radius_limit, const FitScale& scale) {
+  const double reach = 0.6 * std::min(heights.s[k] - heights.s[before], heights.s[after] - heights.s[k]);
+  Moments m;
+  std::uint32_t l = k, r = k;
+  while (l > before && heights.s[k] - heights.s[l - 1] <= reach) --l;
+  while (r < after && heights.s[r + 1] - heights.s[k] <= reach) ++r;
+  for (std::uint32_t j = l; j <= r; ++j) m.add(heights.s[j] - heights.s[k], heights.w[j] - heights.w[k]);
+  if (m.n < 5.0) return std::nullopt;
+  const Parabola arc = fit_parabola(m);
+  if (std::abs(arc.curvature) < 1e-12) return std::nullopt;
+  const double top = -arc.slope / (2.0 * arc.curvature); // from the middle of the window
+  const double radius = 1.0 / (2.0 * std::abs(arc.curvature));
+  if (radius > radius_limit || std::abs(top + arc.middle) > reach) return std::nullopt;
+  Bend bend;
+  bend.s = heights.s[k] + arc.middle + top;
+  bend.w = heights.w[k] + arc.offset + arc.slope * top + arc.curvature * top * top;
+  bend.radius = radius;
+  bend.window = std::max(k - l, r - k);
+  bend.sigma_tau = scale.noise;
+  bend.fitted = true;
+  return bend;
+}
+
+} // namespace scansion

@@ -1,0 +1,85 @@
+// Raw lines to profiles.
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/feature/profile.hpp"
+
+#include <algorithm>
+
+namespace scansion {
+
+namespace {
+
+void turn_round(Profile& p) {
+  std::reverse(p.s.begin(), p.s.end());
+  std::reverse(p.w.begin(), p.w.end());
+  std::reverse(p.source.begin(), p.source.end());
+  std::reverse(p.distance.begin(), p.distance.end());
+  const auto size = static_cast<std::uint32_t>(p.s.size());
+  std::reverse(p.ends.begin(), p.ends.end());
+  // Ends in reverse order were one past the last sample of each run: shift them to what follows the run before.
+  if (p.ends.empty()) return;
+  for (std::size_t r = 0; r + 1 < p.ends.size(); ++r) p.ends[r] = size - p.ends[r + 1];
+  p.ends.back() = size;
+}
+
+// Keeps the samples that advance. Steps back are folds, overhangs or a device's slips: no function of s.
+void mask_steps_back(Profile& p) {
+  std::size_t kept = 0, run = 0;
+  double last = 0.0;
+  for (std::size_t k = 0; k < p.s.size(); ++k) {
+    while (k >= p.ends[run]) p.ends[run++] = static_cast<std::uint32_t>(kept);
+    if (kept > 0 && p.s[k] <= last) {
+      ++p.masked;
+      continue;
+    }
+    last = p.s[k];
+    p.s[kept] = p.s[k];
+    p.w[kept] = p.w[k];
+    p.source[kept] = p.source[k];
+    p.distance[kept] = p.distance[k];
+    ++kept;
+  }
+  for (; run < p.ends.size(); ++run) p.ends[run] = static_cast<std::uint32_t>(kept);
+  p.s.resize(kept);
+  p.w.resize(kept);
+  p.source.resize(kept);
+  p.distance.resize(kept);
+  p.ends.erase(std::unique(p.ends.begin(), p.ends.end()), p.ends.end());
+  if (!p.ends.empty() && p.ends.front() == 0) p.ends.erase(p.ends.begin());
+}
+
+bool ascends(const std::vector<double>& s) {
+  std::size_t wrong = 0;
+  for (std::size_t k = 1; k < s.size(); ++k) wrong += static_cast<std::size_t>(s[k] <= s[k - 1]);
+  return wrong == 0;
+}
+
+} // namespace
+
+void make_profile(const RawLine& line, const Frame& frame, Profile& out) {
+  out.clear();
+  out.line = line.index;
+  const std::size_t n = line.x.size();
+  if (n == 0) return;
+  out.s.resize(n);
+  out.w.resize(n);
+  out.source.resize(n);
+  double across = 0.0;
+  for (std::size_t k = 0; k < n; ++k) {
+    out.s[k] = line.x[k] * frame.along[0] + line.y[k] * frame.along[1];
+    out.w[k] = line.x[k] * frame.up[0] + line.y[k] * frame.up[1] + line.z[k] * frame.up[2];
+    across += line.x[k] * frame.normal[0] + line.y[k] * frame.normal[1] + line.z[k] * frame.normal[2];
+    out.source[k] = static_cast<std::uint32_t>(k);
+  }
+  out.c = across / static_cast<double>(n);
+  out.distance.assign(line.distance.begin(), line.distance.end());
+  out.ends.assign(line.ends.begin(), line.ends.end());
+  std::ptrdiff_t forward = 0;
+  for (std::size_t k = 1; k < n; ++k) forward += out.s[k] > out.s[k - 1] ? 1 : -1;
+  if (forward < 0) {
+    out.turned = true;
+    turn_round(out);
+  }
+  if (!ascends(out.s)) mask_steps_back(out);
+}
+
+} // namespace scansion

@@ -1,0 +1,47 @@
+// One scan line as the feature stage sees it: heights over places along the line, in order, with what disturbs it masked.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "pipeline/feature/frame.hpp"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace scansion {
+
+/// Samples in ascending s. The recording keeps the raw line; this is a view of it. Buffers are used again.
+struct Profile {
+  std::uint64_t line = 0; ///< line index in the recording
+  double c = 0.0;         ///< mm, of its plane
+  bool turned = false;    ///< was scanned towards negative s
+  std::vector<double> s, w;          ///< mm
+  std::vector<std::uint32_t> source; ///< index of each sample in its line
+  std::vector<double> distance;      ///< D in mm; infinite at the ends of runs
+  std::vector<std::uint32_t> ends;   ///< one past the last sample of each run, ascending
+  std::uint32_t masked = 0;          ///< samples left out because s stepped back
+  std::uint32_t spikes = 0;          ///< samples whose height was replaced
+
+  [[nodiscard]] std::size_t size() const noexcept { return s.size(); }
+  void clear() noexcept {
+    masked = spikes = 0;
+    turned = false;
+    s.clear();
+    w.clear();
+    source.clear();
+    distance.clear();
+    ends.clear();
+  }
+};
+
+/// Points of one line in mm, its runs (Run::first relative to the line) and its distances.
+struct RawLine {
+  std::uint64_t index = 0;
+  std::vector<double> x, y, z, distance;
+  std::vector<std::uint32_t> ends;
+};
+
+/// Fills `out` from `line`: turned round when it was scanned backwards, samples masked whose s does not advance.
+void make_profile(const RawLine& line, const Frame& frame, Profile& out);
+
+} // namespace scansion

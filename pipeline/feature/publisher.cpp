@@ -1,0 +1,88 @@
+// Attributes of feature lines.
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/feature/publisher.hpp"
+
+#include "pipeline/feature/detector.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace scansion {
+
+namespace {
+
+class Spread {
+public:
+  void add(double value) noexcept {
+    ++count_;
+    const double off = value - mean_;
+    mean_ += off / static_cast<double>(count_);
+    squares_ += off * (value - mean_);
+  }
+  [[nodiscard]] MeanDeviation value() const noexcept {
+    return {mean_, count_ > 1 ? std::sqrt(squares_ / static_cast<double>(count_ - 1)) : 0.0};
+  }
+
+private:
+  std::size_t count_ = 0;
+  double mean_ = 0.0, squares_ = 0.0;
+};
+
+FeatureType common_type(const Curve& curve) {
+  std::array<std::size_t, kFeatureTypes> votes{};
+  for (const CurvePoint& p : curve.points) ++votes[static_cast<std::size_t>(p.feature.type)];
+  return static_cast<FeatureType>(std::max_element(votes.begin(), votes.end()) - votes.begin());
+}
+
+} // namespace
+
+FeatureLine Publisher::publish(const Curve& curve, const Frame& frame, const Sampling& sampling, const AlphaSet& alpha) {
+  FeatureLine line;
+  line.id = next_id_++;
+  line.type = common_type(curve);
+  line.closed_loop = curve.loop;
+  line.begins = curve.begins;
+  line.ends = curve.ends;
+  Spread delta, beta, tau, width;
+  double sharpness = 0.0;
+  std::size_t guided = 0;
+  std::vector<std::uint64_t> rows;
+  std::vector<double> widths;
+  for (const CurvePoint& p : curve.points) {
+    FeatureVertex v;
+    v.position = frame.position(p.s, p.w, p.c);
+    for (std::size_t i = 0; i < 3; ++i) v.position[i] += origin_[i];
+    v.line = p.feature.line;
+    v.index = p.feature.sample;
+    v.guided = p.feature.guided;
+    line.vertices.push_back(v);
+    delta.add(p.feature.inner_angle());
+    beta.add(p.feature.orientation());
+    tau.add(p.feature.tau);
+    width.add(p.feature.width);
+    widths.push_back(p.feature.width);
+    sharpness += p.feature.sharpness;
+    guided += p.feature.guided ? 1 : 0;
+    rows.push_back(p.feature.line);
+    ++line.elements[static_cast<std::size_t>(p.feature.element)];
+  }
+  const auto n = static_cast<double>(curve.points.size());
+  std::sort(rows.begin(), rows.end());
+  line.scan_lines = static_cast<std::uint64_t>(std::unique(rows.begin(), rows.end()) - rows.begin());
+  const auto middle = widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 2);
+  std::nth_element(widths.begin(), middle, widths.end());
+  line.level = alpha.width(least_distance(sampling.noise) * std::exp2(*middle));
+  line.length_mm = length_of(curve);
+  line.inner_angle = delta.value();
+  line.orientation = beta.value();
+  line.turning = tau.value();
+  line.width = width.value();
+  line.sharpness = sharpness / n;
+  line.guided_share = static_cast<double>(guided) / n;
+  line.persistence = line.length_mm / (5.0 * sampling.coarse());
+  const bool step = std::any_of(curve.points.begin(), curve.points.end(), [](const CurvePoint& p) { return p.feature.step && p.row < 0; });
+  if (step) line.across_mm = 0.5 * sampling.spacing;
+  return line;
+}
+
+} // namespace scansion

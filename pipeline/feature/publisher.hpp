@@ -1,0 +1,23 @@
+// Curves to feature lines: positions in the recording's frame, and what is said about each line.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "pipeline/feature/curve.hpp"
+#include "pipeline/feature/sampling.hpp"
+#include "pipeline/model/alpha_set.hpp"
+
+namespace scansion {
+
+/// Thread-bound.
+class Publisher {
+public:
+  /// `origin` in mm.
+  explicit Publisher(const Vector3& origin) : origin_(origin) {}
+  [[nodiscard]] FeatureLine publish(const Curve& curve, const Frame& frame, const Sampling& sampling, const AlphaSet& alpha);
+
+private:
+  Vector3 origin_;
+  std::uint64_t next_id_ = 1;
+};
+
+} // namespace scansion

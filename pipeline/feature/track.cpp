@@ -1,0 +1,100 @@
+// Axis, means and confirmation of tracks.
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/feature/track.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <numbers>
+#include <vector>
+
+namespace scansion {
+
+void TrackMeans::start(const FeaturePoint& point) noexcept {
+  tau = point.tau;
+  beta = point.orientation();
+  width = point.width;
+}
+
+void TrackMeans::follow(const FeaturePoint& point) noexcept {
+  constexpr double kGain = 0.3;
+  tau += kGain * (point.tau - tau);
+  beta += kGain * (point.orientation() - beta);
+  width += kGain * (point.width - width);
+}
+
+double Track::angle_to_lines(std::size_t i) const noexcept {
+  constexpr std::size_t kReach = 4;
+  const std::size_t low = i > kReach ? i - kReach : 0, high = std::min(points.size() - 1, i + kReach);
+  const TrackPoint &a = points[low], &b = points[high];
+  const double ds = std::abs(s_of(b) - s_of(a)), dc = std::abs(c_of(b) - c_of(a));
+  return std::atan2(dc, ds) * 180.0 / std::numbers::pi;
+}
+
+void Track::cut_guided_end() {
+  while (!points.empty() && points.back().feature.guided) points.pop_back();
+}
+
+Axis axis_of(const Track& track, TrackEnd end) {
+  constexpr std::size_t kPoints = 6;
+  constexpr double kYoungTrust = 0.7;
+  const std::size_t n = std::min(kPoints, track.points.size());
+  const auto point = [&](std::size_t i) -> const TrackPoint& {
+    return end == TrackEnd::back ? track.points[track.points.size() - 1 - i] : track.points[i];
+  };
+  const TrackPoint& apex = point(0);
+  Axis axis{apex.q, apex.w, apex.r, 0.0, 0.0, 68.0};
+  if (n >= 2) axis.half_angle = n <= 3 ? 50.0 : 30.0;
+  if (n == 2) {
+    const double dr = apex.r - point(1).r;
+    axis.slope_q = kYoungTrust * (apex.q - point(1).q) / dr;
+    axis.slope_w = kYoungTrust * (apex.w - point(1).w) / dr;
+  } else if (n > 2) {
+    double mr = 0.0, mq = 0.0, mw = 0.0;
+    for (std::size_t i = 0; i < n; ++i) {
+      mr += point(i).r;
+      mq += point(i).q;
+      mw += point(i).w;
+    }
+    const double share = 1.0 / static_cast<double>(n);
+    mr *= share;
+    mq *= share;
+    mw *= share;
+    double rr = 0.0, rq = 0.0, rw = 0.0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const double dr = point(i).r - mr;
+      rr += dr * dr;
+      rq += dr * (point(i).q - mq);
+      rw += dr * (point(i).w - mw);
+    }
+    if (rr > 0.0) {
+      axis.slope_q = rq / rr;
+      axis.slope_w = rw / rr;
+    }
+  }
+  return axis;
+}
+
+bool is_confirmed(const Track& track) {
+  constexpr std::size_t kPoints = 5;
+  constexpr double kTurning = 8.0, kSharpness = 1.5, kSharpest = 6.0;
+  const std::size_t n = track.points.size();
+  if (n < kPoints) return false;
+  const auto span = static_cast<double>(std::abs(track.points.back().step - track.points.front().step) + 1);
+  if (static_cast<double>(n) < 0.5 * span) return false;
+  static thread_local std::vector<double> turning;
+  turning.clear();
+  double sharpness = 0.0;
+  bool smooth = true;
+  for (const TrackPoint& p : track.points) {
+    turning.push_back(std::abs(p.feature.tau));
+    sharpness += std::min(p.feature.sharpness, kSharpest);
+    smooth = smooth && p.feature.smooth;
+  }
+  std::nth_element(turning.begin(), turning.begin() + static_cast<std::ptrdiff_t>(n / 2), turning.end());
+  if (turning[n / 2] < kTurning) return false;
+  return smooth || sharpness >= kSharpness * static_cast<double>(n);
+}
+
+} // namespace scansion

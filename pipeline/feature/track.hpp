@@ -1,0 +1,72 @@
+// A feature line while it grows, lengthwise (from scan line to scan line) or crosswise (from column to column).
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "pipeline/feature/feature_point.hpp"
+
+#include <cstddef>
+#include <deque>
+
+namespace scansion {
+
+/// Which way a track runs.
+enum class Pass : std::uint8_t {
+  lengthwise, ///< r is c, q is s: found on scan lines
+  crosswise   ///< r is s, q is c: found on columns
+};
+
+/// Whether a point stays when both passes are brought together.
+enum class Verdict : std::uint8_t { open, kept, dropped };
+
+/// A point of a track, in the coordinates of its pass: r the way it runs, q the place, w the height; mm.
+struct TrackPoint {
+  double r = 0.0, q = 0.0, w = 0.0;
+  double smooth_q = 0.0, smooth_w = 0.0; ///< published place: after smoothing
+  std::int64_t step = 0;                 ///< number of the scan line, or of the column
+  std::uint32_t before = 0, after = 0;   ///< samples that its fit must not pass
+  FeaturePoint feature;
+  Verdict verdict = Verdict::open;
+};
+
+/// What the next point is compared with: means over the track with a gain for the newest.
+struct TrackMeans {
+  double tau = 0.0, beta = 0.0, width = 0.0;
+  void start(const FeaturePoint& point) noexcept;
+  void follow(const FeaturePoint& point) noexcept;
+};
+
+struct Track {
+  static constexpr std::uint64_t kCrosswiseBit = std::uint64_t{1} << 63U; ///< ids of both passes stay apart
+  std::uint64_t id = 0;
+  Pass pass = Pass::lengthwise;
+  std::deque<TrackPoint> points;
+  TrackMeans means;
+  FeatureEnd begins = FeatureEnd::death, ends = FeatureEnd::death;
+  std::uint32_t misses = 0;       ///< in a row
+  std::uint32_t guided_in_row = 0;
+  std::uint64_t near_id = 0;      ///< a longer track that runs beside it ...
+  std::uint32_t near_lines = 0;   ///< ... for so many lines in a row
+  bool confirmed = false;
+
+  [[nodiscard]] bool convex() const noexcept { return points.front().feature.convex(); }
+  [[nodiscard]] double s_of(const TrackPoint& p) const noexcept { return pass == Pass::lengthwise ? p.smooth_q : p.r; }
+  [[nodiscard]] double c_of(const TrackPoint& p) const noexcept { return pass == Pass::lengthwise ? p.r : p.smooth_q; }
+  /// Degrees between the track at point i and the scan lines, 0 to 90.
+  [[nodiscard]] double angle_to_lines(std::size_t i) const noexcept;
+  void cut_guided_end();
+};
+
+/// The way a track runs at one end.
+struct Axis {
+  double q = 0.0, w = 0.0, r = 0.0; ///< apex: its last point
+  double slope_q = 0.0, slope_w = 0.0;
+  double half_angle = 68.0; ///< degrees: opening of the cone of influence
+};
+enum class TrackEnd : std::uint8_t { front, back };
+/// Least squares over the last six points; less for a young track (paper, section 5: the cone's axis follows the line).
+[[nodiscard]] Axis axis_of(const Track& track, TrackEnd end);
+
+/// Confirmed: long, strong and sharp enough to be published.
+[[nodiscard]] bool is_confirmed(const Track& track);
+
+} // namespace scansion

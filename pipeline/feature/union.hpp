@@ -1,0 +1,34 @@
+// Brings both passes together: which of two tracks that follow the same edge keeps it (docs/FEATURES.md, "Union").
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "pipeline/feature/sampling.hpp"
+#include "pipeline/feature/track.hpp"
+
+#include <limits>
+#include <span>
+#include <vector>
+
+namespace scansion {
+
+/// Decides about points in order of c. Thread-bound: holds scratch.
+class Union {
+public:
+  /// Gives a verdict on all points up to c = `settled` that have none. `tracks`: all that may still have such points.
+  void decide(std::span<Track* const> tracks, double settled, const Sampling& sampling);
+
+private:
+  struct Near {
+    double s = 0.0, c = 0.0;
+    const Track* track = nullptr;
+    TrackPoint* point = nullptr;
+  };
+  using Band = std::vector<Near>; // ascending s
+  void gather(std::span<Track* const> tracks, Pass pass, double low, double high, Band& out) const;
+  [[nodiscard]] static bool is_covered(const Band& band, const Near& place, double reach_s, double reach_c, bool by_longer);
+
+  double decided_ = -std::numeric_limits<double>::infinity();
+  Band lengthwise_, crosswise_;
+};
+
+} // namespace scansion
