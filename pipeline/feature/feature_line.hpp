@@ -77,16 +77,16 @@ struct FeatureLine {
   std::vector<FeatureVertex> vertices;
 
   double length_mm = 0.0;
-  std::uint64_t scan_lines = 0;                        ///< on which it was seen
-  MeanDeviation inner_angle, orientation, turning;     ///< delta, beta, tau in degrees
-  MeanDeviation width;                                 ///< log2(D / finest tolerance of the feature stage)
-  double sharpness = 0.0;                              ///< mean Lambda: above 0 a corner, below an arc
-  double guided_share = 0.0;                           ///< of its vertices
-  double persistence = 0.0;                            ///< length in units of five sampling steps
-  double across_mm = 0.0;                              ///< uncertainty of a step between two scan lines; 0: none stated
+  std::uint64_t scan_lines = 0;                         ///< on which it was seen
+  MeanDeviation inner_angle, orientation, turning;      ///< delta, beta, tau in degrees
+  MeanDeviation width;                                  ///< log2(D / finest tolerance of the feature stage)
+  double sharpness = 0.0;                               ///< mean Lambda: above 0 a corner, below an arc
+  double guided_share = 0.0;                            ///< of its vertices
+  double persistence = 0.0;                             ///< length in units of five sampling steps
+  double across_mm = 0.0;                               ///< uncertainty of a step between two scan lines; 0: none stated
   std::array<std::uint32_t, kShapeElements> elements{}; ///< how often each shape was seen
-  std::optional<std::uint64_t> partner;                ///< the other edge of a step
-  std::vector<std::uint64_t> junctions;                ///< feature lines it meets
+  std::optional<std::uint64_t> partner;                 ///< the other edge of a step
+  std::vector<std::uint64_t> junctions;                 ///< feature lines it meets
 
   friend bool operator==(const FeatureLine&, const FeatureLine&) = default;
 };
@@ -111,6 +111,7 @@ enum class PatchShape : std::uint8_t { plane, cylinder, free_form };
 [[nodiscard]] std::string_view name(PatchShape shape) noexcept;
 
 enum class FormKind : std::uint8_t { face, fillet, chamfer, wall, rib, boss, slot, pocket, step, hole };
+inline constexpr std::size_t kFormKinds = 10;
 [[nodiscard]] std::string_view name(FormKind kind) noexcept;
 
 /// A patch at its end, or when the recording ends.
@@ -120,7 +121,7 @@ struct Patch {
   PatchShape shape = PatchShape::plane;
   std::uint64_t samples = 0;
   double area_mm2 = 0.0;
-  std::array<double, 3> centroid{}, normal{};        ///< mm; unit vector
+  std::array<double, 3> centroid{}, normal{};                ///< mm; unit vector
   double plane_residual_mm = 0.0, quadric_residual_mm = 0.0; ///< root mean square
   std::vector<std::uint32_t> neighbours;
   bool doubtful = false; ///< grown together over a contact that is short against its cut border

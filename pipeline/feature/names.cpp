@@ -6,14 +6,29 @@ namespace scansion {
 
 namespace {
 
-constexpr std::array<std::string_view, kFeatureTypes> kTypes = {"convex", "concave", "step-top", "step-bottom", "ridge", "valley"};
-constexpr std::array<std::string_view, kShapeElements> kElements = {
-    "straight",         "peak",             "blade",          "pit",               "slit",      "shoulder-falling", "shoulder-levelling",
-    "foot-levelling",   "foot-rising",      "slope-change-convex", "slope-change-concave", "weak-bend-convex", "weak-bend-concave",
-    "wall-bend-convex", "wall-bend-concave", "step-top",      "step-bottom"};
+constexpr std::array<std::string_view, kFeatureTypes> kTypes = {"convex",      "concave", "step-top",
+                                                                "step-bottom", "ridge",   "valley"};
+constexpr std::array<std::string_view, kShapeElements> kElements = {"straight",
+                                                                    "peak",
+                                                                    "blade",
+                                                                    "pit",
+                                                                    "slit",
+                                                                    "shoulder-falling",
+                                                                    "shoulder-levelling",
+                                                                    "foot-levelling",
+                                                                    "foot-rising",
+                                                                    "slope-change-convex",
+                                                                    "slope-change-concave",
+                                                                    "weak-bend-convex",
+                                                                    "weak-bend-concave",
+                                                                    "wall-bend-convex",
+                                                                    "wall-bend-concave",
+                                                                    "step-top",
+                                                                    "step-bottom"};
 constexpr std::array<std::string_view, 6> kEnds = {"open", "death", "border", "gap", "junction", "cap"};
 constexpr std::array<std::string_view, 3> kShapes = {"plane", "cylinder", "free-form"};
-constexpr std::array<std::string_view, 10> kForms = {"face", "fillet", "chamfer", "wall", "rib", "boss", "slot", "pocket", "step", "hole"};
+constexpr std::array<std::string_view, kFormKinds> kForms = {"face", "fillet", "chamfer", "wall", "rib",
+                                                             "boss", "slot",   "pocket",  "step", "hole"};
 
 } // namespace
 

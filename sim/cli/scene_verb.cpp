@@ -8,6 +8,8 @@
 #include "sim/scene/scan_command.hpp"
 #include "sim/scene/scanner.hpp"
 #include "sim/scene/xyz_text.hpp"
+#include "sim/truth/scan_truth.hpp"
+#include "sim/truth/truth_json.hpp"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -39,6 +41,7 @@ CLI::App* add_options(CLI::App& app, SceneRequest& request) {
   command->add_option("--dropouts", plan.dropouts, "share of points that are missing, singly and in bursts");
   command->add_option("--missing-lines", plan.missing_lines, "share of lines that are missing");
   command->add_flag("--zigzag", plan.zigzag, "odd lines are scanned backwards");
+  command->add_flag("--truth", request.truth, "also write the ground truth, FILE.truth.json for FILE.xyz");
   command->add_flag("--list", request.list, "list the scenes");
   command->add_flag("--json", request.json, "print a summary on standard output");
   command->add_flag("--force", request.force, "overwrite the output");
@@ -67,6 +70,7 @@ std::string summary(const SceneRequest& request, const SceneScanner& scanner, st
   const nlohmann::ordered_json json{{"scene", scanner.scene().name},
                                     {"command", scan_command(scanner.scene(), request.plan)},
                                     {"output", request.output},
+                                    {"truth", request.truth ? truth_path(request.output) : ""},
                                     {"unit", "mm"},
                                     {"resolution", 0.001},
                                     {"lines", counts.lines},
@@ -84,7 +88,31 @@ std::string summary(const SceneRequest& request, const SceneScanner& scanner, st
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
+/// The truth that is collected beside a scan, when it was asked for.
+struct TruthFile {
+  ScanTruth truth;
+  OutputFile file;
+};
+
+Result<std::optional<TruthFile>> open_truth(const SceneRequest& request, const Scene& scene) {
+  if (!request.truth) return std::optional<TruthFile>{};
+  SCANSION_TRY(truth, ScanTruth::create(scene, request.plan));
+  SCANSION_TRY(file, OutputFile::create(truth_path(request.output), request.force));
+  return std::optional<TruthFile>(TruthFile{std::move(truth), std::move(file)});
+}
+
+Result<void> write_truth(TruthFile& truth) {
+  SCANSION_TRY(truth.file.write(truth_json(truth.truth.finish())));
+  return truth.file.finish();
+}
+
 } // namespace
+
+std::string truth_path(const std::string& output) {
+  constexpr std::string_view kEnding = ".xyz";
+  const bool plain = output.ends_with(kEnding);
+  return output.substr(0, output.size() - (plain ? kEnding.size() : 0)) + ".truth.json";
+}
 
 Verb add_scene_verb(CLI::App& app) {
   auto request = std::make_shared<SceneRequest>(); // CLI11 writes into it while parsing
@@ -113,9 +141,13 @@ Result<void> run_scene(const SceneRequest& request) {
   if (request.json && request.output == "-") {
     return fail(Errc::usage, "scene: --json and -o - both want standard output; write the scan to a file");
   }
+  if (request.truth && request.output == "-") {
+    return fail(Errc::usage, "scene: --truth wants a name for its file; write the scan to a file");
+  }
   SCANSION_TRY(scene, make_scene(request.scene));
   SCANSION_TRY(scanner, SceneScanner::create(std::move(scene), request.plan));
   SCANSION_TRY(output, OutputFile::create(request.output, request.force));
+  SCANSION_TRY(truth, open_truth(request, scanner.scene()));
 
   std::string text = scan_header(scanner.scene(), request.plan, scanner.geometry());
   std::uint64_t bytes = 0;
@@ -130,6 +162,7 @@ Result<void> run_scene(const SceneRequest& request) {
   bool first = true;
   while (scanner.next(line)) {
     append_xyz(text, line, first);
+    if (truth) truth->truth.add(line);
     if (text.size() >= kFlush) {
       SCANSION_TRY(flush());
     }
@@ -137,6 +170,9 @@ Result<void> run_scene(const SceneRequest& request) {
     progress.at(line.index + std::uint64_t{1});
   }
   SCANSION_TRY(flush());
+  if (truth) {
+    SCANSION_TRY(write_truth(*truth));
+  }
   SCANSION_TRY(output.finish());
   if (request.json) return print(summary(request, scanner, bytes));
   return success();

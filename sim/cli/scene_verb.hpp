@@ -14,10 +14,14 @@ struct SceneRequest {
   std::string scene;
   ScanPlan plan;
   std::string output;
+  bool truth = false; ///< the ground truth, too, into truth_path(output)
   bool list = false;
   bool json = false;
   bool force = false;
 };
+
+/// FILE.truth.json for FILE.xyz.
+[[nodiscard]] std::string truth_path(const std::string& output);
 
 /// Adds the verb to `app`.
 [[nodiscard]] Verb add_scene_verb(CLI::App& app);

@@ -15,7 +15,10 @@ constexpr std::array kCatalog{
     CatalogEntry{"pocket", make_pocket},     CatalogEntry{"boss", make_boss},         CatalogEntry{"ribs", make_ribs},
     CatalogEntry{"fillets", make_fillets},   CatalogEntry{"freeform", make_freeform}, CatalogEntry{"part", make_part},
     CatalogEntry{"paper", make_paper},       CatalogEntry{"flat", make_flat},         CatalogEntry{"zigzag", make_zigzag},
-    CatalogEntry{"two-step", make_two_step},
+    CatalogEntry{"two-step", make_two_step}, CatalogEntry{"terraces", make_terraces}, CatalogEntry{"channels", make_channels},
+    CatalogEntry{"cavity", make_cavity},     CatalogEntry{"posts", make_posts},       CatalogEntry{"rails", make_rails},
+    CatalogEntry{"grooves", make_grooves},   CatalogEntry{"edges", make_edges},       CatalogEntry{"dome", make_dome},
+    CatalogEntry{"bracket", make_bracket},   CatalogEntry{"star", make_star},         CatalogEntry{"smooth", make_smooth},
 };
 
 } // namespace

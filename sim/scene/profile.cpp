@@ -4,9 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace scansion {
 namespace {
+
+constexpr double kVertical = std::numeric_limits<double>::infinity();
+constexpr double kWallSlope = 2.7474774194546216; // tan 70 degrees
 
 struct Direction {
   double d = 0.0, z = 0.0;
@@ -23,6 +27,7 @@ Direction direction(const Corner& from, const Corner& to) noexcept {
 
 Profile::Profile(std::initializer_list<Corner> corners) {
   if (corners.size() == 0) return;
+  find_bends(corners);
   const Corner* at = corners.begin();
   first_ = at->z;
   start_ = at->d;
@@ -58,6 +63,31 @@ Profile::Profile(std::initializer_list<Corner> corners) {
   }
 }
 
+void Profile::find_bends(std::initializer_list<Corner> corners) {
+  const auto slope = [](const Corner& from, const Corner& to) {
+    if (to.d > from.d) return (to.z - from.z) / (to.d - from.d);
+    return to.z > from.z ? kVertical : -kVertical;
+  };
+  const auto wall = [&](const Corner& from, const Corner& to) {
+    return std::fabs(slope(from, to)) >= kWallSlope ? std::fabs(to.z - from.z) : 0.0;
+  };
+  const Corner* at = corners.begin();
+  const std::size_t last = corners.size() - 1;
+  for (std::size_t k = 0; k <= last; ++k) {
+    ProfileBend bend{at[k].d, at[k].z, 0.0, 0.0, 0.0, 0.0};
+    if (k > 0 && k < last) bend.radius = at[k].radius;
+    if (k > 0) {
+      bend.slope_inside = slope(at[k - 1], at[k]);
+      bend.wall = wall(at[k - 1], at[k]);
+    }
+    if (k < last) {
+      bend.slope_outside = slope(at[k], at[k + 1]);
+      bend.wall = std::max(bend.wall, wall(at[k], at[k + 1]));
+    }
+    if (bend.slope_inside != bend.slope_outside) bends_.push_back(bend);
+  }
+}
+
 Profile Profile::wall(double height, double draft, double outer, double inner) {
   const double room = std::fabs(height) + draft + outer + inner + 1.0; // more than any tangent's length
   return Profile{{-draft - room, height}, {-draft, height, inner}, {0.0, 0.0, outer}, {room, 0.0}};
@@ -71,6 +101,17 @@ void Profile::add_line(double d0, double z0, double d1, double z1) {
   line.z = z0;
   line.slope = (z1 - z0) / (d1 - d0);
   pieces_.push_back(line);
+}
+
+double Profile::slope(double d) const noexcept {
+  if (d < start_) return 0.0;
+  for (const Piece& piece : pieces_) {
+    if (d >= piece.end) continue;
+    if (piece.square == 0.0) return piece.slope;
+    const double offset = d - piece.d;
+    return -piece.side * offset / std::sqrt(std::max(1e-12, piece.square - offset * offset));
+  }
+  return 0.0;
 }
 
 double Profile::height(double d) const noexcept {

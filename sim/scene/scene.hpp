@@ -24,6 +24,10 @@ public:
     return box_.holds(x, y) ? profile_.height(footprint_.distance(x, y)) : 0.0;
   }
 
+  [[nodiscard]] const Footprint& footprint() const noexcept { return footprint_; }
+  [[nodiscard]] const Profile& profile() const noexcept { return profile_; }
+  [[nodiscard]] const Box& box() const noexcept { return box_; }
+
 private:
   Footprint footprint_;
   Profile profile_;

@@ -21,6 +21,19 @@ namespace scansion {
 /// 1,214 lines that follow the part's silhouette, 1,328,531 points in all.
 [[nodiscard]] Scene make_paper();
 
+// Small parts for judging feature lines (scenes_small.cpp).
+[[nodiscard]] Scene make_terraces();
+[[nodiscard]] Scene make_channels();
+[[nodiscard]] Scene make_cavity();
+[[nodiscard]] Scene make_posts();
+[[nodiscard]] Scene make_rails();
+[[nodiscard]] Scene make_grooves();
+[[nodiscard]] Scene make_edges();
+[[nodiscard]] Scene make_dome();
+[[nodiscard]] Scene make_bracket();
+[[nodiscard]] Scene make_star();
+[[nodiscard]] Scene make_smooth();
+
 // Lines that are hard on ranking (scenes_adversarial.cpp).
 [[nodiscard]] Scene make_flat();
 [[nodiscard]] Scene make_zigzag();

@@ -168,5 +168,27 @@ TEST_F(SceneVerb, RecordingsAreMadeAgainByteForByte) {
   EXPECT_GE(recordings, 7U);
 }
 
+TEST_F(SceneVerb, TruthStandsBesideTheScan) {
+  EXPECT_EQ(truth_path("a/b.xyz"), "a/b.truth.json");
+  EXPECT_EQ(truth_path("plain"), "plain.truth.json");
+  SceneRequest request;
+  request.scene = "star";
+  request.plan.pitch_mm = request.plan.spacing_mm = 0.5;
+  request.truth = true;
+  request.output = folder_ / "star.xyz";
+  ASSERT_TRUE(run_scene(request));
+  EXPECT_EQ(files(), 2U);
+  const std::string first = content(folder_ / "star.truth.json");
+  EXPECT_NE(first.find("\"format\":\"scansion-truth\""), std::string::npos);
+  EXPECT_FALSE(run_scene(request)) << "nothing is overwritten without --force";
+  request.force = true;
+  ASSERT_TRUE(run_scene(request));
+  EXPECT_EQ(content(folder_ / "star.truth.json"), first);
+  request.output = "-";
+  const auto refused = run_scene(request);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Errc::usage);
+}
+
 } // namespace
 } // namespace scansion
