@@ -27,6 +27,18 @@ struct Options {
 [[nodiscard]] Result<void> run_instructions(const Options& options, Report& report);
 [[nodiscard]] Result<void> run_stages(const Options& options, Report& report);
 [[nodiscard]] Result<void> run_threads(const Options& options, Report& report);
+/// What `features` is asked for.
+struct FeatureOptions {
+  std::string truth, lines, patches; ///< files to be judged; empty: scenes are scanned
+  std::vector<std::string> scenes;   ///< empty: all small parts
+  std::vector<double> pitches{0.1, 0.2, 0.5}, noises{5.0, 20.0, 50.0}, directions{0.0, 30.0, 90.0};
+  std::vector<std::string> faults{"clean", "dirty"};
+  bool paper = false; ///< linking = paper
+  bool shorter = false;
+  bool rows = false; ///< a row for every scan, not only means
+};
+[[nodiscard]] Result<void> run_features(const FeatureOptions& options, Report& report);
+
 /// Answers requests on standard input until its end.
 [[nodiscard]] Result<void> run_rank_coproc(const std::string& file);
 

@@ -26,6 +26,26 @@ int end_with(const Result<void>& result) {
   return exit_code(result.error().code);
 }
 
+CLI::App* add_features(CLI::App& root, FeatureOptions& f, bool& json, bool& check) {
+  CLI::App* app = root.add_subcommand("features", "Feature lines and patches against the ground truth");
+  app->add_option("--truth", f.truth, "Ground truth of a scan (scansim scene --truth); needs --found");
+  app->add_option("--found", f.lines, "Feature lines to judge (scansion export --what features --format txt)");
+  app->add_option("--patches", f.patches, "Patches to judge (scansion export --what patches --format txt)");
+  app->add_option("--scene", f.scenes, "Scenes to scan (default: all small parts)")->delimiter(',');
+  app->add_option("--pitch", f.pitches, "mm, of points and lines")->delimiter(',');
+  app->add_option("--noise", f.noises, "um")->delimiter(',');
+  app->add_option("--direction", f.directions, "degrees")->delimiter(',');
+  app->add_option("--fault", f.faults,
+                  "clean, dirty, tilt, zigzag, correlated, outliers, dropouts, missing, jitter, or all for each of them")
+      ->delimiter(',');
+  app->add_flag("--paper", f.paper, "Link by the paper's rules");
+  app->add_flag("--short", f.shorter, "A few scans only");
+  app->add_flag("--rows", f.rows, "A row for every scan");
+  app->add_flag("--json", json, "Print JSON");
+  app->add_flag("--check", check, "End with 1 when a figure misses its 'must'");
+  return app;
+}
+
 int run_command_line(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_IGN);
   CLI::App root{"Speed and size of Scansion beside other programs", "scansion_bench"};
@@ -60,6 +80,8 @@ int run_command_line(int argc, char** argv) {
   instructions->add_option("--child", o.child, "What to rank inside valgrind, SCENE:POINTS")->group("");
   verb("stages", "Stages of scansion compress, and export beside it", run_stages);
   const CLI::App* threads = verb("threads", "Wall time of scansion compress with two threads and with one", run_threads);
+  FeatureOptions f;
+  CLI::App* features = add_features(root, f, json, check);
   CLI::App* coproc = root.add_subcommand("rank-coproc", "Rank lines of FILE on request (standard input)");
   coproc->add_option("FILE", file, "Recorded scan, FILE or FILE:UNIT")->required();
   try {
@@ -69,13 +91,16 @@ int run_command_line(int argc, char** argv) {
   }
   if (coproc->parsed()) return end_with(run_rank_coproc(file));
   if (threads->parsed() && threads->count("--pairs") == 0) o.pairs.pairs = 5;
-  for (const Verb& v : verbs) {
-    if (!v.app->parsed()) continue;
+  const auto report_of = [&](auto run) {
     Report report(json);
-    const auto result = v.run(o, report);
+    const auto result = run(report);
     report.finish();
     const int code = end_with(result);
     return code == 0 && check && report.failed() > 0 ? 1 : code;
+  };
+  if (features->parsed()) return report_of([&](Report& report) { return run_features(f, report); });
+  for (const Verb& v : verbs) {
+    if (v.app->parsed()) return report_of([&](Report& report) { return v.run(o, report); });
   }
   return 2;
 }

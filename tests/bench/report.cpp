@@ -98,11 +98,19 @@ void Report::judge(std::vector<Cell>& cells, double value, const std::optional<B
     cells.resize(cells.size() + 3);
     return;
   }
+  mark(cells, *bar, value <= bar->good, value <= bar->must);
+}
+
+void Report::judge_high(std::vector<Cell>& cells, double value, const Bar& bar) {
+  mark(cells, bar, value >= bar.good, value >= bar.must);
+}
+
+void Report::mark(std::vector<Cell>& cells, const Bar& bar, bool good, bool pass) {
   constexpr int kDecimals = 3;
-  cells.insert(cells.end(), {Figure{bar->must, kDecimals}, Figure{bar->good, kDecimals}});
-  if (value <= bar->good) {
+  cells.insert(cells.end(), {Figure{bar.must, kDecimals}, Figure{bar.good, kDecimals}});
+  if (good) {
     cells.emplace_back("good");
-  } else if (value <= bar->must) {
+  } else if (pass) {
     cells.emplace_back("pass");
   } else {
     cells.emplace_back("FAIL");

@@ -54,10 +54,14 @@ public:
 
   /// The three cells "must", "good" and the mark: good, pass or FAIL. Empty without a bar.
   void judge(std::vector<Cell>& cells, double value, const std::optional<Bar>& bar);
+  /// The same for a figure that should be high: not below `must`, better not below `good`.
+  void judge_high(std::vector<Cell>& cells, double value, const Bar& bar);
   /// How many figures missed their must.
   [[nodiscard]] unsigned failed() const noexcept { return failed_; }
 
 private:
+  void mark(std::vector<Cell>& cells, const Bar& bar, bool good, bool pass);
+
   bool json_;
   std::vector<Table> tables_;
   unsigned failed_ = 0;
