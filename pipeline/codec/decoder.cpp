@@ -21,6 +21,8 @@ struct GroupDecoder::Impl {
   Bytes table;
   Neighbours neighbours;
   std::array<RestAxis, 3> rest_axes;
+  std::size_t along = 0; ///< the axis along which lines run
+  bool has_neighbours = false;
   std::vector<PointIndex> points; ///< that the payload at hand adds, ascending
   std::size_t rest_points = 0;
   std::vector<std::int64_t> residuals;
@@ -29,6 +31,8 @@ struct GroupDecoder::Impl {
   [[nodiscard]] Result<void> read_level(ByteReader& from, const PayloadHeader& header, const LineGroup& group);
   [[nodiscard]] Result<void> read_rest(ByteReader& from, const PayloadHeader& header, const DecodedGroup& out);
   [[nodiscard]] Result<void> read_rest_axis(ByteReader& from, const LineGroup& group, std::size_t axis);
+  [[nodiscard]] Result<void> read_fitted_axis(ByteReader& from, const LineGroup& group, std::size_t axis, bool with_above);
+  void find_neighbours(const LineGroup& group);
   [[nodiscard]] Result<void> unfold_fan(LineGroup& group);
   [[nodiscard]] Result<void> publish(ByteReader& from, const PayloadHeader& header, DecodedGroup& out);
 };
@@ -83,50 +87,65 @@ Result<void> GroupDecoder::Impl::read_level(ByteReader& from, const PayloadHeade
   return success();
 }
 
-Result<void> GroupDecoder::Impl::read_rest_axis(ByteReader& from, const LineGroup& group, std::size_t axis) {
-  const auto& vertices = state.known;
-  auto& u = state.u[axis];
-  RestAxis& at = rest_axes[axis];
-  const std::uint8_t byte = from.byte();
-  if (!from.ok() || byte >= kRestModes) return fail(Errc::damaged, "the rest names an unknown prediction");
-  const auto mode = static_cast<RestMode>(byte);
-  if (mode != RestMode::fitted) {
-    SCANSION_TRY(planes.get_planes(from, rest_points, residuals));
-    std::size_t r = 0;
-    visit_rest(group, vertices, neighbours, [&](const RestLine& line, PointIndex run_first, PointIndex first, PointIndex end) {
-      for (PointIndex i = first; i < end; ++i)
-        u[i] = wrap(predict_plain(mode, neighbours, line, u, at.chord, run_first, i) + std::int64_t{wrap(residuals[r++])});
-    });
-    return success();
-  }
-  Weights weights;
-  for (std::int16_t& w : weights) {
+// Lines that leave the line before alone never ask for this.
+void GroupDecoder::Impl::find_neighbours(const LineGroup& group) {
+  if (has_neighbours) return;
+  has_neighbours = true;
+  auto& chord = rest_axes[along].chord;
+  if (scales[along].even)
+    chord.assign(state.u[along].begin(), state.u[along].end());
+  else
+    fill_chord(state.known, state.u[along], chord);
+  neighbours.find(group, state, scales[along], chord);
+}
+
+Result<void> GroupDecoder::Impl::read_fitted_axis(ByteReader& from, const LineGroup& group, std::size_t axis, bool with_above) {
+  Weights weights{};
+  for (std::int16_t& w : std::span(weights).first(with_above ? kWeights : kLineWeights)) {
     const std::int64_t value = from.signed_varint();
     if (value != static_cast<std::int16_t>(value)) return fail(Errc::damaged, "the rest holds an impossible weight");
     w = static_cast<std::int16_t>(value);
   }
   SCANSION_TRY(symbols.begin(from));
   auto cursor = symbols.cursor();
-  decode_fitted(group, vertices, neighbours, weights, at, u, cursor);
+  auto& u = state.u[axis];
+  if (with_above) {
+    find_neighbours(group);
+    fill_chord(state.known, u, rest_axes[axis].chord);
+    decode_fitted(group, state.known, neighbours, weights, rest_axes[axis], u, cursor);
+  } else {
+    decode_line_fitted(group, state.known, weights, rest_axes[axis], u, cursor);
+  }
   symbols.set(cursor);
   if (!symbols.finish()) return fail(Errc::damaged, "the coordinates of the rest are damaged");
+  return success();
+}
+
+Result<void> GroupDecoder::Impl::read_rest_axis(ByteReader& from, const LineGroup& group, std::size_t axis) {
+  const std::uint8_t byte = from.byte();
+  if (!from.ok() || byte >= kRestModes) return fail(Errc::damaged, "the rest names an unknown prediction");
+  const auto mode = static_cast<RestMode>(byte);
+  if (mode == RestMode::fitted || mode == RestMode::line) return read_fitted_axis(from, group, axis, mode == RestMode::fitted);
+  auto& u = state.u[axis];
+  auto& chord = rest_axes[axis].chord;
+  find_neighbours(group);
+  fill_chord(state.known, u, chord);
+  SCANSION_TRY(planes.get_planes(from, rest_points, residuals));
+  std::size_t r = 0;
+  visit_rest(group, state.known, neighbours, [&](const RestLine& line, PointIndex run_first, PointIndex first, PointIndex end) {
+    for (PointIndex i = first; i < end; ++i)
+      u[i] = wrap(predict_plain(mode, neighbours, line, u, chord, run_first, i) + std::int64_t{wrap(residuals[r++])});
+  });
   return success();
 }
 
 Result<void> GroupDecoder::Impl::read_rest(ByteReader& from, const PayloadHeader& header, const DecodedGroup& out) {
   rest_points = out.width.size() - state.known.size();
   if (rest_points != header.points) return fail(Errc::damaged, "the rest and its header disagree on the number of points");
-  const std::size_t along = from.byte();
+  along = from.byte();
   if (!from.ok() || along > 2) return fail(Errc::damaged, "the rest names an axis that does not exist");
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (scales[axis].even && axis != along) continue;
-    rest_axes[axis].resize(out.width.size());
-    if (scales[axis].even)
-      std::ranges::copy(state.u[axis], rest_axes[axis].chord.begin());
-    else
-      fill_chord(state.known, state.u[axis], rest_axes[axis].chord);
-  }
-  neighbours.find(out.group, state, scales[along], rest_axes[along].chord);
+  has_neighbours = false;
+  for (RestAxis& axis : rest_axes) axis.resize(out.width.size());
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (scales[axis].even) continue;
     SCANSION_TRY(read_rest_axis(from, out.group, axis));

@@ -229,20 +229,21 @@ void GroupEncoder::Impl::write_rest_axis(const LineGroup& group, std::size_t axi
   kernels::subtract(u.data(), at.chord.data(), at.deviation.data(), u.size());
   const std::size_t stride = std::max<std::size_t>(6, u.size() / kSample);
   PointIndex sample = 0;
+  at.fill_means(group.runs, state.known);
   fit.clear();
   visit_rest(group, state.known, neighbours, [&](const RestLine& line, PointIndex run_first, PointIndex from, PointIndex end) {
     for (; sample < end; sample += static_cast<PointIndex>(stride))
       if (sample >= from) fit.add(deviations_of(at, u, neighbours, line, run_first, sample), at.deviation[sample]);
   });
-  const Weights weights = fit.solve();
-  fitted_residuals(group, state.known, neighbours, weights, u, at, rest_residuals, rest_contexts);
+  const auto [weights, with_above] = fit.solve();
+  fitted_residuals(group, state.known, with_above ? &neighbours : nullptr, weights, u, at, rest_residuals, rest_contexts);
   symbols.clear();
   visit_rest(group, state.known, neighbours, [&](const RestLine&, PointIndex, PointIndex from, PointIndex end) {
     symbols.put(std::span(rest_residuals).subspan(from, end - from), std::span(rest_contexts).subspan(from, end - from));
   });
   const std::size_t start = to.size();
-  to.push_back(static_cast<std::byte>(RestMode::fitted));
-  for (const std::int16_t w : weights) put_signed(to, w);
+  to.push_back(static_cast<std::byte>(with_above ? RestMode::fitted : RestMode::line));
+  for (const std::int16_t w : std::span(weights).first(with_above ? kWeights : kLineWeights)) put_signed(to, w);
   symbols.write(to);
   if (!write_plain_axis(group, axis, to.size() - start)) return;
   to.resize(start);

@@ -63,8 +63,9 @@ void WeightFit::measure() {
   sizes_.clear();
   for (const Sample& s : rows_) {
     double size = std::abs(static_cast<double>(s.target));
-    for (const std::int32_t d : s.deviations) size += std::abs(static_cast<double>(d));
-    sizes_.push_back(size / (kWeights + 1));
+    for (const std::int32_t d : std::span(s.deviations).first<kLeft>()) size += std::abs(static_cast<double>(d));
+    for (const std::int32_t d : std::span(s.deviations).subspan<kLineWeights>()) size += std::abs(static_cast<double>(d));
+    sizes_.push_back(size / (kWeights - kMeans + 1));
   }
   usual_.assign(sizes_.begin(), sizes_.end());
   const auto middle = usual_.begin() + static_cast<std::ptrdiff_t>(usual_.size() / 2);
@@ -92,16 +93,19 @@ WeightFit::Normal WeightFit::normal_of(const Weights* first) const noexcept {
   return normal;
 }
 
-Weights WeightFit::solve() {
+WeightFit::Fitted WeightFit::solve() {
   if (rows_.empty()) return {};
   measure();
   const Normal normal = normal_of(nullptr);
+  const Weights line = solve(normal, kLineWeights);
   const Weights all = solve(normal, kWeights);
-  const Weights without = solve(normal, kLeft + kBeside);
-  const bool more = cost(all) < cost(without);
-  const Weights first = more ? all : without;
-  const Weights second = solve(normal_of(&first), more ? kWeights : kLeft + kBeside);
-  return cost(second) < cost(first) ? second : first;
+  const std::uint64_t line_cost = cost(line);
+  const std::uint64_t all_cost = cost(all);
+  constexpr std::uint64_t kWorth = 128; // leaving the line before alone is faster on either side
+  const bool with_above = all_cost < line_cost - line_cost / kWorth;
+  const Weights& first = with_above ? all : line;
+  const Weights second = solve(normal_of(&first), with_above ? kWeights : kLineWeights);
+  return {cost(second) < (with_above ? all_cost : line_cost) ? second : first, with_above};
 }
 
 } // namespace scansion

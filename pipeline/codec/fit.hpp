@@ -13,8 +13,12 @@ public:
 
   void clear() noexcept { rows_.clear(); }
   void add(const Row& deviations, std::int32_t target) { rows_.push_back({deviations, target}); }
-  /// Tries the weights with and without the points beside against the chord here.
-  [[nodiscard]] Weights solve();
+  struct Fitted {
+    Weights weights;
+    bool with_above; ///< else only the first kLineWeights count
+  };
+  /// Tries the weights with and without the line before; without is taken where with gives next to nothing.
+  [[nodiscard]] Fitted solve();
 
 private:
   struct Sample {

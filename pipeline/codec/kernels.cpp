@@ -29,37 +29,50 @@ SCANSION_INLINE void weigh_above_body(const std::int16_t* __restrict w, const Ab
     const std::int32_t* di = d + i;
     const std::int32_t* vi = v + i;
     const std::int32_t* ci = chord + i;
-    sum[i] = times(w[0], di[-2]) + times(w[1], di[-1]) + times(w[2], di[0]) + times(w[3], di[1]) + times(w[4], di[2]) +
-             times(w[5], minus(vi[-1], ci[-1])) + times(w[6], minus(vi[0], ci[0])) + times(w[7], minus(vi[1], ci[1]));
+    sum[i] = times(w[0], di[-1]) + times(w[1], di[0]) + times(w[2], di[1]) + times(w[3], minus(vi[-1], ci[-1])) +
+             times(w[4], minus(vi[0], ci[0])) + times(w[5], minus(vi[1], ci[1]));
     const std::int32_t* si = s + i;
     size[i] = si[-1] + 2 * si[0] + si[1];
   }
 }
 
-SCANSION_INLINE void residuals_body(const std::int16_t* __restrict w, const std::int32_t* __restrict deviation,
-                                    const std::int64_t* __restrict sum, std::int32_t* __restrict residual,
-                                    std::size_t n) noexcept {
+template <bool kSum>
+SCANSION_INLINE void residuals_loop(const std::int16_t* __restrict w, const Left& left, const std::int64_t* __restrict sum,
+                                    std::int32_t* __restrict residual, std::size_t n) noexcept {
+  const std::int32_t* __restrict deviation = left.deviation;
+  const std::int32_t* __restrict fast = left.fast;
+  const std::int32_t* __restrict slow = left.slow;
   for (std::size_t i = 0; i < n; ++i) {
     const std::int32_t* d = deviation + i;
-    const std::int64_t s = sum[i] + times(w[0], d[-1]) + times(w[1], d[-2]) + times(w[2], d[-3]) + times(w[3], d[-4]) +
-                           times(w[4], d[-5]) + times(w[5], d[-6]);
+    const std::int64_t s = (kSum ? sum[i] : 0) + times(w[0], d[-1]) + times(w[1], d[-2]) + times(w[2], d[-3]) +
+                           times(w[3], d[-4]) + times(w[4], d[-5]) + times(w[5], d[-6]) + times(w[6], fast[i]) +
+                           times(w[7], slow[i]);
     // The low 32 bits of the shifted sum: a logical shift gives the same, and vector units have it.
     const auto guess = static_cast<std::uint32_t>(static_cast<std::uint64_t>(s + 2048) >> 12U);
     residual[i] = static_cast<std::int32_t>(static_cast<std::uint32_t>(d[0]) - guess);
   }
 }
+SCANSION_INLINE void residuals_body(const std::int16_t* w, const Left& left, const std::int64_t* sum, std::int32_t* residual,
+                                    std::size_t n) noexcept {
+  sum != nullptr ? residuals_loop<true>(w, left, sum, residual, n) : residuals_loop<false>(w, left, sum, residual, n);
+}
 
 // bit_width for values below 2^24 without a bit scan: the exponent of the same value as a float.
-SCANSION_INLINE void contexts_body(const std::int32_t* __restrict size, const std::int32_t* __restrict above, bool has_above,
+template <bool kAbove>
+SCANSION_INLINE void contexts_loop(const std::int32_t* __restrict size, const std::int32_t* __restrict above,
                                    std::uint8_t* __restrict context, std::size_t n) noexcept {
-  const std::int32_t twice = has_above ? 1 : 2;
-  const std::int32_t mask = has_above ? -1 : 0;
   for (std::size_t i = 0; i < n; ++i) {
-    const std::int32_t* s = size + i;
-    const std::int32_t sum = (2 * s[-1] + s[-2]) * twice + (above[i] & mask) + 1;
+    const std::int32_t near = size[static_cast<std::ptrdiff_t>(i) - 2];
+    const std::int32_t far = size[static_cast<std::ptrdiff_t>(i) - 3];
+    const std::int32_t left = 2 * std::max(near, far) + near + far;
+    const std::int32_t sum = (kAbove ? left + above[i] : 2 * left) + 1;
     const auto bits = std::bit_cast<std::uint32_t>(static_cast<float>(sum));
     context[i] = static_cast<std::uint8_t>((bits >> 22U) - 254U);
   }
+}
+SCANSION_INLINE void contexts_body(const std::int32_t* size, const std::int32_t* above, std::uint8_t* context,
+                                   std::size_t n) noexcept {
+  above != nullptr ? contexts_loop<true>(size, above, context, n) : contexts_loop<false>(size, above, context, n);
 }
 
 // Four at a time by hand: left alone, GCC 12 unrolls this loop into single numbers.
@@ -88,13 +101,13 @@ __attribute__((target("avx2"))) void weigh_above_avx2(const std::int16_t* w, con
                                                       std::int64_t* sum, std::int32_t* size, std::size_t n) noexcept {
   weigh_above_body(w, above, chord, sum, size, n);
 }
-__attribute__((target("avx2"))) void residuals_avx2(const std::int16_t* w, const std::int32_t* deviation,
-                                                    const std::int64_t* sum, std::int32_t* residual, std::size_t n) noexcept {
-  residuals_body(w, deviation, sum, residual, n);
+__attribute__((target("avx2"))) void residuals_avx2(const std::int16_t* w, const Left& left, const std::int64_t* sum,
+                                                    std::int32_t* residual, std::size_t n) noexcept {
+  residuals_body(w, left, sum, residual, n);
 }
-__attribute__((target("avx2"))) void contexts_avx2(const std::int32_t* size, const std::int32_t* above, bool has_above,
-                                                   std::uint8_t* context, std::size_t n) noexcept {
-  contexts_body(size, above, has_above, context, n);
+__attribute__((target("avx2"))) void contexts_avx2(const std::int32_t* size, const std::int32_t* above, std::uint8_t* context,
+                                                   std::size_t n) noexcept {
+  contexts_body(size, above, context, n);
 }
 bool has_avx2() noexcept {
   static const bool has = __builtin_cpu_supports("avx2") != 0;
@@ -116,13 +129,12 @@ void portable::weigh_above(const std::int16_t* weights, const Above& above, cons
                            std::int32_t* size, std::size_t n) noexcept {
   weigh_above_body(weights, above, chord, sum, size, n);
 }
-void portable::residuals(const std::int16_t* weights, const std::int32_t* deviation, const std::int64_t* sum,
-                         std::int32_t* residual, std::size_t n) noexcept {
-  residuals_body(weights, deviation, sum, residual, n);
+void portable::residuals(const std::int16_t* weights, const Left& left, const std::int64_t* sum, std::int32_t* residual,
+                         std::size_t n) noexcept {
+  residuals_body(weights, left, sum, residual, n);
 }
-void portable::contexts(const std::int32_t* size, const std::int32_t* above, bool has_above, std::uint8_t* context,
-                        std::size_t n) noexcept {
-  contexts_body(size, above, has_above, context, n);
+void portable::contexts(const std::int32_t* size, const std::int32_t* above, std::uint8_t* context, std::size_t n) noexcept {
+  contexts_body(size, above, context, n);
 }
 
 void add_products(const double* x, double factor, double* normal, std::size_t rows) noexcept {
@@ -146,6 +158,14 @@ void ramp(std::uint32_t first, std::uint32_t step, std::int32_t* to, std::size_t
   for (std::uint32_t i = 0; i < n; ++i) to[i] = static_cast<std::int32_t>(first + step * i);
 }
 
+void slope(std::int32_t from, std::int64_t step, std::int32_t* to, std::size_t n) noexcept {
+  std::int64_t sum = std::int64_t{from} * 65536;
+  for (std::size_t i = 0; i < n; ++i) {
+    sum += step;
+    to[i] = static_cast<std::int32_t>(static_cast<std::uint64_t>(sum) >> 16U);
+  }
+}
+
 void weigh_above(const std::int16_t* weights, const Above& above, const std::int32_t* chord, std::int64_t* sum,
                  std::int32_t* size, std::size_t n) noexcept {
   if (has_avx2())
@@ -154,12 +174,12 @@ void weigh_above(const std::int16_t* weights, const Above& above, const std::int
     portable::weigh_above(weights, above, chord, sum, size, n);
 }
 
-void residuals(const std::int16_t* weights, const std::int32_t* deviation, const std::int64_t* sum, std::int32_t* residual,
+void residuals(const std::int16_t* weights, const Left& left, const std::int64_t* sum, std::int32_t* residual,
                std::size_t n) noexcept {
   if (has_avx2())
-    residuals_avx2(weights, deviation, sum, residual, n);
+    residuals_avx2(weights, left, sum, residual, n);
   else
-    portable::residuals(weights, deviation, sum, residual, n);
+    portable::residuals(weights, left, sum, residual, n);
 }
 
 void sizes(const std::int32_t* __restrict residual, std::uint32_t limit, std::int32_t* __restrict size,
@@ -172,12 +192,11 @@ void sizes(const std::int32_t* __restrict residual, std::uint32_t limit, std::in
   }
 }
 
-void contexts(const std::int32_t* size, const std::int32_t* above, bool has_above, std::uint8_t* context,
-              std::size_t n) noexcept {
+void contexts(const std::int32_t* size, const std::int32_t* above, std::uint8_t* context, std::size_t n) noexcept {
   if (has_avx2())
-    contexts_avx2(size, above, has_above, context, n);
+    contexts_avx2(size, above, context, n);
   else
-    portable::contexts(size, above, has_above, context, n);
+    portable::contexts(size, above, context, n);
 }
 
 } // namespace scansion::kernels

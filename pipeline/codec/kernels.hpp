@@ -15,6 +15,9 @@ void from_steps(const std::int32_t* u, std::uint32_t base, std::uint32_t step, s
 /// to[i] = first + step * i, modulo 2^32.
 void ramp(std::uint32_t first, std::uint32_t step, std::int32_t* to, std::size_t n) noexcept;
 
+/// to[i] = from + (step * (i + 1) >> 16), modulo 2^32.
+void slope(std::int32_t from, std::int64_t step, std::int32_t* to, std::size_t n) noexcept;
+
 /// Points of one line whose neighbours lie side by side in the line before; each pointer is at the first point or its
 /// neighbour.
 struct Above {
@@ -22,13 +25,20 @@ struct Above {
   const std::int32_t* value;
   const std::int32_t* size;
 };
-/// sum[i] = weights (five for deviations beside, three for values beside against the chord here) times what they weigh;
-/// size[i] = 1, 2, 1 times the sizes beside. Reads two points over either end of `above`, one over the ends of `chord`.
+/// sum[i] = weights (three for deviations beside, three for values beside against the chord here) times what they weigh;
+/// size[i] = 1, 2, 1 times the sizes beside. Reads one point over either end of `above` and of `chord`.
 void weigh_above(const std::int16_t* weights, const Above& above, const std::int32_t* chord, std::int64_t* sum,
                  std::int32_t* size, std::size_t n) noexcept;
 
-/// residual[i] = deviation[i] - ((sum[i] + weights times the six deviations to the left + 2048) >> 12), modulo 2^32.
-void residuals(const std::int16_t* weights, const std::int32_t* deviation, const std::int64_t* sum, std::int32_t* residual,
+/// What the points to the left of each point say; each pointer is at the first point.
+struct Left {
+  const std::int32_t* deviation; ///< read from six before
+  const std::int32_t* fast;      ///< running means
+  const std::int32_t* slow;
+};
+/// residual[i] = deviation[i] - ((sum[i] + weights times the six deviations to the left and the means + 2048) >> 12), modulo
+/// 2^32. `sum` may be null: all 0.
+void residuals(const std::int16_t* weights, const Left& left, const std::int64_t* sum, std::int32_t* residual,
                std::size_t n) noexcept;
 
 /// normal[i][j] += x[i] * factor * x[j] for `rows` rows of 16. Multiplies and adds apart, so every machine rounds alike.
@@ -37,18 +47,16 @@ void add_products(const double* x, double factor, double* normal, std::size_t ro
 /// size[i] = min(|residual[i]|, limit).
 void sizes(const std::int32_t* residual, std::uint32_t limit, std::int32_t* size, std::size_t n) noexcept;
 
-/// context[i] from size[i - 1], size[i - 2] and above[i]: rest_context().
-void contexts(const std::int32_t* size, const std::int32_t* above, bool has_above, std::uint8_t* context,
-              std::size_t n) noexcept;
+/// context[i] from size[i - 2], size[i - 3] and above[i]: rest_context(). `above` may be null: no line before.
+void contexts(const std::int32_t* size, const std::int32_t* above, std::uint8_t* context, std::size_t n) noexcept;
 
 /// The baseline versions, for tests.
 namespace portable {
 void weigh_above(const std::int16_t* weights, const Above& above, const std::int32_t* chord, std::int64_t* sum,
                  std::int32_t* size, std::size_t n) noexcept;
-void residuals(const std::int16_t* weights, const std::int32_t* deviation, const std::int64_t* sum, std::int32_t* residual,
+void residuals(const std::int16_t* weights, const Left& left, const std::int64_t* sum, std::int32_t* residual,
                std::size_t n) noexcept;
-void contexts(const std::int32_t* size, const std::int32_t* above, bool has_above, std::uint8_t* context,
-              std::size_t n) noexcept;
+void contexts(const std::int32_t* size, const std::int32_t* above, std::uint8_t* context, std::size_t n) noexcept;
 } // namespace portable
 
 } // namespace scansion::kernels

@@ -15,15 +15,17 @@ enum class LevelMode : std::uint8_t {
   left = 1,  ///< the value of the left neighbour
   bend = 2,  ///< on the chord, plus what the line before bends away from its own chord over the same points
   rise = 3,  ///< the value of the left neighbour, plus what the line before rises from there
+  above = 4, ///< the value of the line before
 };
-inline constexpr std::size_t kLevelModes = 4;
+inline constexpr std::size_t kLevelModes = 5;
 using LevelGuess = std::array<std::int32_t, kLevelModes>;
 
-// Contexts: end points, runs without one above, then by the size of the bend, apart for vertices that go on.
+// Contexts: end points, runs without one above, then by how far two ways to predict lie apart, separately for vertices that go
+// on.
 inline constexpr std::uint32_t kEndContext = 0;
 inline constexpr std::uint32_t kNothingAbove = 1;
-inline constexpr std::uint32_t kBends = 2;
-inline constexpr std::uint32_t kBendSizes = 20;
+inline constexpr std::uint32_t kDoubts = 2;
+inline constexpr std::uint32_t kDoubtSizes = 20;
 
 /// The polyline of a level at any point of a run.
 class Curve {
@@ -77,6 +79,8 @@ void visit_level(const GroupState& s, std::span<const Run> runs, std::size_t axi
     }
     PointIndex right = first;
     std::int64_t right_above = 0;
+    PointIndex before = last; // the point coded last, and what lies above it
+    std::int64_t before_above = 0;
     std::size_t v = s.run_vertices[r] + 1; // the vertex to come
     for (; f < s.fresh.size() && s.fresh[f].point < last; ++f, ++v) {
       const Fresh& at = s.fresh[f];
@@ -99,12 +103,16 @@ void visit_level(const GroupState& s, std::span<const Run> runs, std::size_t axi
         const PointIndex b = s.beside[right];
         const PointIndex i = s.beside[at.point];
         const std::int64_t here = curve.at(above, i);
-        const std::int64_t left_above = curve.at(above, l);
+        const std::int64_t left_above = left == before ? before_above : curve.at(above, l);
         const std::int64_t bend = l < i && i < b ? here - between(left_above, right_above, i, l, b) : 0;
         guess[2] = wrap(straight + bend);
         guess[3] = wrap(u[left] + here - left_above);
-        const auto size = static_cast<std::uint32_t>(std::bit_width(static_cast<std::uint64_t>(bend < 0 ? -bend : bend)));
-        context = kBends + (at.matched ? kBendSizes : 0) + std::min(size, kBendSizes - 1);
+        guess[4] = wrap(here);
+        const std::int64_t doubt = here - straight - bend;
+        const auto size = static_cast<std::uint32_t>(std::bit_width(static_cast<std::uint64_t>(doubt < 0 ? -doubt : doubt)));
+        context = kDoubts + (at.matched ? kDoubtSizes : 0) + std::min(size, kDoubtSizes - 1);
+        before = at.point;
+        before_above = here;
       }
       code(at.point, guess, context);
     }

@@ -7,39 +7,61 @@
 namespace scansion {
 namespace {
 
-void residuals_of_run(const Weights& w, const std::int32_t* deviation, const std::int64_t* above_sum, PointIndex first,
-                      PointIndex last, std::int32_t* residual) noexcept {
+// `above` may be null: no line before is weighed.
+void residuals_of_run(const Weights& w, const RestAxis& axis, const std::int64_t* above, PointIndex first, PointIndex last,
+                      std::int32_t* residual) noexcept {
+  const std::int32_t* const deviation = axis.deviation.data();
   const PointIndex begun = std::min<PointIndex>(last, first + kLeft);
   for (PointIndex i = first + 1; i < begun; ++i) {
-    std::int64_t sum = above_sum[i] + (std::int64_t{1} << (kWeightBits - 1));
+    std::int64_t sum = (above != nullptr ? above[i] : 0) + (std::int64_t{1} << (kWeightBits - 1));
     for (std::size_t k = 0; k < i - first; ++k) sum += std::int64_t{w[k]} * deviation[i - k - 1];
+    for (std::size_t k = 0; k < kMeans; ++k) sum += std::int64_t{w[kLeft + k]} * axis.means[k][i];
     residual[i] = wrap(deviation[i] - (sum >> kWeightBits));
   }
-  if (begun < last) kernels::residuals(w.data(), deviation + begun, above_sum + begun, residual + begun, last - begun);
+  if (begun >= last) return;
+  const kernels::Left left{deviation + begun, axis.means[0].data() + begun, axis.means[1].data() + begun};
+  kernels::residuals(w.data(), left, above == nullptr ? nullptr : above + begun, residual + begun, last - begun);
+}
+
+// `beside` may be null: no line before.
+void contexts_of_run(std::span<const PointIndex> vertices, const std::int32_t* size, const std::int32_t* beside,
+                     std::uint8_t* context) noexcept {
+  const PointIndex first = vertices.front();
+  const PointIndex last = vertices.back();
+  const auto at = [&](PointIndex i, std::int32_t size2, std::int32_t size3) {
+    context[i] = static_cast<std::uint8_t>(rest_context(size2, size3, beside == nullptr ? 0 : beside[i], beside != nullptr));
+  };
+  if (last - first > 2) at(first + 2, size[first], 0);
+  if (last - first > 3)
+    kernels::contexts(size + first + 3, beside == nullptr ? nullptr : beside + first + 3, context + first + 3,
+                      last - first - 3);
+  for (const PointIndex v : vertices)
+    if (v != last) at(v + 1, size[v], size[v]);
 }
 
 } // namespace
 
-void fitted_residuals(const LineGroup& group, std::span<const PointIndex> vertices, const Neighbours& neighbours,
+void fitted_residuals(const LineGroup& group, std::span<const PointIndex> vertices, const Neighbours* neighbours,
                       const Weights& weights, std::span<const std::int32_t> u, RestAxis& axis, std::span<std::int32_t> residual,
                       std::span<std::uint8_t> context) {
   std::size_t v = 0;
-  std::size_t r = 0;
-  for (const RestLine& line : neighbours.lines) {
-    axis.weigh_above(line, neighbours, u, weights);
-    const std::int64_t* sum = axis.above_sum.data() - line.first;
-    const std::int32_t* beside = axis.above_size.data() - line.first;
-    for (; r < group.runs.size() && group.runs[r].first < line.end; ++r) {
-      const PointIndex first = group.runs[r].first;
-      const PointIndex last = first + group.runs[r].count - 1;
-      residuals_of_run(weights, axis.deviation.data(), sum, first, last, residual.data());
-      for (; v < vertices.size() && vertices[v] <= last; ++v) residual[vertices[v]] = 0;
-      kernels::sizes(residual.data() + first, kLargestSize, axis.size.data() + first, last - first + 1);
-      if (last - first < 2) continue;
-      context[first + 1] = static_cast<std::uint8_t>(rest_context(0, 0, beside[first + 1], line.has_above));
-      kernels::contexts(axis.size.data() + first + 2, beside + first + 2, line.has_above, context.data() + first + 2,
-                        last - first - 2);
+  std::size_t line = 0;
+  const std::int64_t* sum = nullptr;
+  const std::int32_t* beside = nullptr;
+  for (const Run& run : group.runs) {
+    if (neighbours != nullptr && line < neighbours->lines.size() && neighbours->lines[line].first == run.first) {
+      const RestLine& at = neighbours->lines[line++];
+      axis.weigh_above(at, *neighbours, u, weights);
+      sum = axis.above_sum.data() - at.first;
+      beside = at.has_above ? axis.above_size.data() - at.first : nullptr;
     }
+    const PointIndex last = run.first + run.count - 1;
+    residuals_of_run(weights, axis, sum, run.first, last, residual.data());
+    kernels::sizes(residual.data() + run.first, kLargestSize, axis.size.data() + run.first, run.count);
+    const std::size_t begin = v;
+    for (; vertices[v] != last; ++v) axis.size[vertices[v]] = size_of_rise(Chord(u, vertices[v], vertices[v + 1]).rise());
+    axis.size[last] = 0;
+    contexts_of_run(vertices.subspan(begin, ++v - begin), axis.size.data(), beside, context.data());
   }
 }
 

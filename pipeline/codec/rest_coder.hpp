@@ -4,55 +4,87 @@
 
 #include "pipeline/codec/rest_model.hpp"
 
+#include <utility>
+
 namespace scansion {
 
-/// Decodes one fitted axis: `cursor.next(context)` gives residuals. `u` holds the vertices and gets the other points.
+/// Decodes one run of a fitted axis; `vertices` begin with those of the run. With a line before, `sum` and `beside` are what it
+/// adds, and the axis' chord must stand. Returns how many vertices the run has.
+template <bool kAbove, class Cursor>
+std::size_t decode_fitted_run(const Run& run, std::span<const PointIndex> vertices, const Weights& weights, RestAxis& axis,
+                              const std::int64_t* sum, const std::int32_t* beside, std::span<std::int32_t> u, Cursor& cursor) {
+  const Weights w = weights;
+  std::array<std::int32_t, kLeft> left{}; // deviations of the points to the left, the nearest first
+  RunningMeans means;
+  std::int32_t size1 = 0; // of the points to the left
+  std::int32_t size2 = 0;
+  std::int32_t size3 = 0;
+  const auto move_on = [&](std::int32_t deviation, std::int32_t size) {
+    for (std::size_t k = kLeft; --k > 0;) left[k] = left[k - 1];
+    left[0] = deviation;
+    size3 = std::exchange(size2, std::exchange(size1, size));
+  };
+  const PointIndex last = run.first + run.count - 1;
+  std::size_t v = 0;
+  for (PointIndex i = vertices[0]; i != last; ++v) {
+    const PointIndex end = vertices[v + 1];
+    const Chord chord(u, i, end);
+    std::int64_t on_chord = std::int64_t{u[i]} * (std::int64_t{1} << Chord::kStepBits);
+    move_on(0, size_of_rise(chord.rise()));
+    if constexpr (kAbove) {
+      axis.deviation[i] = 0;
+      axis.size[i] = size1;
+    }
+    std::int32_t near = size1; // a vertex speaks for the points before it, too
+    std::int32_t far = size1;
+    for (++i; i < end; ++i) {
+      const bool has_above = kAbove && beside != nullptr;
+      const std::int32_t residual = cursor.next(rest_context(near, far, has_above ? beside[i] : 0, has_above));
+      std::int64_t weighed = (kAbove ? sum[i] : 0) + (std::int64_t{1} << (kWeightBits - 1)) +
+                             std::int64_t{w[kLeft]} * means.fast + std::int64_t{w[kLeft + 1]} * means.slow;
+      for (std::size_t k = kLeft; k-- > 0;) weighed += std::int64_t{w[k]} * left[k]; // the one that is known last comes last
+      const std::int32_t deviation = wrap((weighed >> kWeightBits) + residual);
+      on_chord += chord.step;
+      u[i] = wrap((on_chord >> Chord::kStepBits) + deviation);
+      means.add(deviation);
+      move_on(deviation, size_of(residual));
+      near = size2;
+      far = size3;
+      if constexpr (kAbove) {
+        axis.deviation[i] = deviation;
+        axis.size[i] = size1;
+      }
+    }
+  }
+  if constexpr (kAbove) axis.deviation[last] = axis.size[last] = 0;
+  return v + 1;
+}
+
+/// Decodes one fitted axis that leaves the line before alone: `cursor.next(context)` gives residuals. `u` holds the vertices
+/// and gets the other points.
+template <class Cursor>
+void decode_line_fitted(const LineGroup& group, std::span<const PointIndex> vertices, const Weights& weights, RestAxis& axis,
+                        std::span<std::int32_t> u, Cursor& cursor) {
+  for (const Run& run : group.runs)
+    vertices = vertices.subspan(decode_fitted_run<false>(run, vertices, weights, axis, nullptr, nullptr, u, cursor));
+}
+
+/// Decodes one fitted axis whose chord stands.
 template <class Cursor>
 void decode_fitted(const LineGroup& group, std::span<const PointIndex> vertices, const Neighbours& neighbours,
                    const Weights& weights, RestAxis& axis, std::span<std::int32_t> u, Cursor& cursor) {
-  std::size_t v = 0;
   std::size_t r = 0;
   for (const RestLine& line : neighbours.lines) {
     axis.weigh_above(line, neighbours, u, weights);
     const std::int64_t* sum = axis.above_sum.data() - line.first;
-    const std::int32_t* beside = axis.above_size.data() - line.first;
-    for (; r < group.runs.size() && group.runs[r].first < line.end; ++r) {
-      const PointIndex last = group.runs[r].first + group.runs[r].count - 1;
-      const Weights w = weights;
-      std::array<std::int32_t, kLeft> left{}; // deviations of the points to the left, the nearest first
-      std::int32_t size1 = 0;
-      std::int32_t size2 = 0;
-      const auto move_on = [&](std::int32_t deviation, std::int32_t size) {
-        for (std::size_t k = kLeft; --k > 0;) left[k] = left[k - 1];
-        left[0] = deviation;
-        size2 = size1;
-        size1 = size;
-      };
-      for (PointIndex i = vertices[v];; ++i) {
-        axis.deviation[i] = axis.size[i] = 0;
-        move_on(0, 0);
-        if (i == last) break;
-        const PointIndex end = vertices[++v];
-        for (++i; i < end; ++i) {
-          std::int64_t weighed = sum[i] + (std::int64_t{1} << (kWeightBits - 1));
-          for (std::size_t k = kLeft; k-- > 0;)
-            weighed += std::int64_t{w[k]} * left[k]; // the one that is known last comes last
-          const std::int32_t residual = cursor.next(rest_context(size1, size2, beside[i], line.has_above));
-          const std::int32_t deviation = wrap((weighed >> kWeightBits) + residual);
-          u[i] = wrap(std::int64_t{axis.chord[i]} + deviation);
-          axis.deviation[i] = deviation;
-          move_on(deviation, size_of(residual));
-          axis.size[i] = size1;
-        }
-        --i;
-      }
-      ++v;
-    }
+    const std::int32_t* beside = line.has_above ? axis.above_size.data() - line.first : nullptr;
+    for (; r < group.runs.size() && group.runs[r].first < line.end; ++r)
+      vertices = vertices.subspan(decode_fitted_run<true>(group.runs[r], vertices, weights, axis, sum, beside, u, cursor));
   }
 }
 
-/// Residuals of one fitted axis, 0 at vertices, and the sizes of them.
-void fitted_residuals(const LineGroup& group, std::span<const PointIndex> vertices, const Neighbours& neighbours,
+/// Residuals of one fitted axis, and the sizes of them. Without `neighbours` the line before is left alone.
+void fitted_residuals(const LineGroup& group, std::span<const PointIndex> vertices, const Neighbours* neighbours,
                       const Weights& weights, std::span<const std::int32_t> u, RestAxis& axis, std::span<std::int32_t> residual,
                       std::span<std::uint8_t> context);
 
@@ -65,6 +97,7 @@ void fitted_residuals(const LineGroup& group, std::span<const PointIndex> vertic
     case RestMode::slope: return i >= run_first + 2 ? wrap(2 * std::int64_t{u[i - 1]} - u[i - 2]) : u[i - 1];
     case RestMode::above: return line.has_above ? u[neighbours.of(line, i)] : chord[i];
     case RestMode::fitted:
+    case RestMode::line:
     case RestMode::left: break;
   }
   return u[i - 1];

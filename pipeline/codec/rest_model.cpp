@@ -12,25 +12,7 @@ void fill_chord(std::span<const PointIndex> vertices, std::span<const std::int32
   for (std::size_t v = 1; v < vertices.size(); ++v) {
     const PointIndex a = vertices[v - 1];
     const PointIndex b = vertices[v];
-    const std::int64_t length = b - a;
-    const std::int64_t rise = std::int64_t{u[b]} - u[a];
-    std::int64_t step = rise / length;
-    std::int64_t part = rise % length;
-    if (part < 0) {
-      part += length;
-      --step;
-    }
-    // The same floor as between(), one addition a point.
-    std::int64_t value = u[a];
-    std::int64_t sum = 0;
-    for (PointIndex i = a + 1; i < b; ++i) {
-      value += step;
-      sum += part;
-      const std::int64_t over = sum >= length ? 1 : 0;
-      sum -= over * length;
-      value += over;
-      chord[i] = static_cast<std::int32_t>(value);
-    }
+    kernels::slope(u[a], Chord(u, a, b).step, chord.data() + a + 1, b - a - 1);
     chord[b] = u[b];
   }
 }
@@ -69,6 +51,21 @@ bool is_straight(const LineGroup& group, const ScanLine& line, const GroupState&
 
 } // namespace
 
+void RestAxis::fill_means(std::span<const Run> runs, std::span<const PointIndex> vertices) {
+  for (auto& mean : means) mean.resize(deviation.size());
+  std::size_t v = 0;
+  for (const Run& run : runs) {
+    RunningMeans now;
+    for (const PointIndex last = run.first + run.count - 1; vertices[v] != last; ++v)
+      for (PointIndex i = vertices[v] + 1; i < vertices[v + 1]; ++i) {
+        means[0][i] = now.fast;
+        means[1][i] = now.slow;
+        now.add(deviation[i]);
+      }
+    ++v;
+  }
+}
+
 void Neighbours::find(const LineGroup& group, const GroupState& state, const AxisScale& scale,
                       std::span<const std::int32_t> main) {
   lines.clear();
@@ -93,6 +90,8 @@ void Neighbours::find(const LineGroup& group, const GroupState& state, const Axi
 
 namespace {
 
+static_assert(kBeside == kAcross);
+
 struct AboveTaps {
   const std::int32_t* deviation;
   const std::int32_t* value;
@@ -107,13 +106,14 @@ void weigh(const Weights& w, PointIndex from, PointIndex to, const std::int32_t*
     return static_cast<std::int32_t>(static_cast<std::uint32_t>(a) - static_cast<std::uint32_t>(b));
   };
   for (PointIndex i = from; i < to; ++i) {
-    const std::array<std::ptrdiff_t, 5> at = tap(i);
+    const std::array<std::ptrdiff_t, kBeside> at = tap(i);
     std::int64_t s = 0;
-    for (std::size_t k = 0; k < kBeside; ++k) s += wide(w[kLeft + k], above.deviation[at[k]]);
-    for (std::size_t k = 0; k < kAcross; ++k)
-      s += wide(w[kLeft + kBeside + k], minus(above.value[at[k + 1]], chord[static_cast<std::ptrdiff_t>(i + k) - 1]));
+    for (std::size_t k = 0; k < kBeside; ++k) {
+      s += wide(w[kLineWeights + k], above.deviation[at[k]]);
+      s += wide(w[kLineWeights + kBeside + k], minus(above.value[at[k]], chord[static_cast<std::ptrdiff_t>(i + k) - 1]));
+    }
     sum[i] = s;
-    size[i] = above.size[at[1]] + 2 * above.size[at[2]] + above.size[at[3]];
+    size[i] = above.size[at[0]] + 2 * above.size[at[1]] + above.size[at[2]];
   }
 }
 
@@ -136,9 +136,9 @@ void RestAxis::weigh_above(const RestLine& line, const Neighbours& neighbours, s
   std::int64_t* sum = above_sum.data() - line.first;
   std::int32_t* sizes = above_size.data() - line.first;
   const auto held = [&](std::int64_t j) {
-    std::array<std::ptrdiff_t, 5> at;
-    for (std::int64_t k = -2; k <= 2; ++k)
-      at[static_cast<std::size_t>(k + 2)] =
+    std::array<std::ptrdiff_t, kBeside> at;
+    for (std::int64_t k = -1; k <= 1; ++k)
+      at[static_cast<std::size_t>(k + 1)] =
           static_cast<std::ptrdiff_t>(std::clamp<std::int64_t>(j + k, line.above_first, line.above_end - 1));
     return at;
   };
@@ -149,14 +149,14 @@ void RestAxis::weigh_above(const RestLine& line, const Neighbours& neighbours, s
     return;
   }
   const auto inside = [&](std::int64_t i) { return static_cast<PointIndex>(std::clamp<std::int64_t>(i, from, to)); };
-  const PointIndex left = inside(std::int64_t{line.above_first} + 2 - line.shift);
-  const PointIndex right = std::max(left, inside(std::int64_t{line.above_end} - 2 - line.shift));
+  const PointIndex left = inside(std::int64_t{line.above_first} + 1 - line.shift);
+  const PointIndex right = std::max(left, inside(std::int64_t{line.above_end} - 1 - line.shift));
   const auto at_ends = [&](PointIndex i) { return held(neighbours.of(line, i)); };
   weigh(weights, from, left, chord.data(), above, sum, sizes, at_ends);
   if (left < right) {
     const std::ptrdiff_t j = static_cast<std::ptrdiff_t>(left) + line.shift;
-    kernels::weigh_above(weights.data() + kLeft, {above.deviation + j, above.value + j, above.size + j}, chord.data() + left,
-                         sum + left, sizes + left, right - left);
+    kernels::weigh_above(weights.data() + kLineWeights, {above.deviation + j, above.value + j, above.size + j},
+                         chord.data() + left, sum + left, sizes + left, right - left);
   }
   weigh(weights, right, to, chord.data(), above, sum, sizes, at_ends);
 }
@@ -166,14 +166,17 @@ std::array<std::int32_t, kWeights> deviations_of(const RestAxis& axis, std::span
                                                  PointIndex i) noexcept {
   std::array<std::int32_t, kWeights> d{};
   for (std::size_t k = 0; k < kLeft; ++k) d[k] = i >= run_first + k + 1 ? axis.deviation[i - k - 1] : 0;
+  for (std::size_t k = 0; k < kMeans; ++k) d[kLeft + k] = axis.means[k][i];
   if (!line.has_above) return d;
   const std::int64_t j = neighbours.of(line, i);
   const auto held = [&](std::int64_t p) {
     return static_cast<PointIndex>(std::clamp<std::int64_t>(p, line.above_first, line.above_end - 1));
   };
-  for (std::size_t k = 0; k < kBeside; ++k) d[kLeft + k] = axis.deviation[held(j + static_cast<std::int64_t>(k) - 2)];
-  for (std::size_t k = 0; k < kAcross; ++k)
-    d[kLeft + kBeside + k] = wrap(std::int64_t{u[held(j + static_cast<std::int64_t>(k) - 1)]} - axis.chord[i + k - 1]);
+  for (std::size_t k = 0; k < kBeside; ++k) {
+    const PointIndex p = held(j + static_cast<std::int64_t>(k) - 1);
+    d[kLineWeights + k] = axis.deviation[p];
+    d[kLineWeights + kBeside + k] = wrap(std::int64_t{u[p]} - axis.chord[i + k - 1]);
+  }
   return d;
 }
 

@@ -1,6 +1,5 @@
-// How the points that are in no level are predicted: from the polyline, the points to the left and the line before
-// (docs/FORMAT.md, "Rest").
-// SPDX-License-Identifier: Apache-2.0
+// How the points that are in no level are predicted: from the polyline, the points to the left and, if that helps, the line
+// before (docs/FORMAT.md, "Rest"). SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "pipeline/codec/group_state.hpp"
@@ -17,15 +16,18 @@ enum class RestMode : std::uint8_t {
   left = 1,   ///< the value of the point before
   slope = 2,  ///< straight on from the two points before
   above = 3,  ///< the value of the point beside it in the line before
+  line = 4,   ///< as fitted, without the line before
 };
-inline constexpr std::size_t kRestModes = 4;
+inline constexpr std::size_t kRestModes = 5;
 
-/// Deviations that the fitted mode weighs: points to the left from their own chord, points beside in the line before from
-/// their own chord, and again points beside from the chord here.
+/// Deviations that the fitted modes weigh: points to the left from their own chord and running means of them; points beside in
+/// the line before from their own chord, and again from the chord here.
 inline constexpr std::size_t kLeft = 6;
-inline constexpr std::size_t kBeside = 5;
+inline constexpr std::size_t kMeans = 2;
+inline constexpr std::size_t kBeside = 3;
 inline constexpr std::size_t kAcross = 3;
-inline constexpr std::size_t kWeights = kLeft + kBeside + kAcross;
+inline constexpr std::size_t kLineWeights = kLeft + kMeans;
+inline constexpr std::size_t kWeights = kLineWeights + kBeside + kAcross;
 inline constexpr unsigned kWeightBits = 12;
 using Weights = std::array<std::int16_t, kWeights>; ///< in units of 2^-kWeightBits
 
@@ -35,14 +37,54 @@ inline constexpr std::uint32_t kLargestSize = 1U << 20U;
   return static_cast<std::int32_t>(std::min(size, kLargestSize));
 }
 
-/// Context of a residual: the logarithm, in half octaves, of the sizes of residuals nearby.
-[[nodiscard]] inline std::uint32_t rest_context(std::int32_t size1, std::int32_t size2, std::int32_t beside,
+/// What stands for the size of a residual at a vertex: half of what the chord behind it rises in a sample.
+[[nodiscard]] inline std::int32_t size_of_rise(std::int32_t rise) noexcept {
+  return size_of(rise) >> 1;
+}
+
+/// Running means of deviations, fast and slow, in 2^-kMeanBits counts. The point just before is left out: it has a weight of
+/// its own, and a decoder that has just got it need not wait for the means.
+struct RunningMeans {
+  static constexpr unsigned kMeanBits = 4;
+  static constexpr unsigned kFast = 3, kSlow = 5; ///< each point counts 2^-k
+  std::int32_t fast = 0, slow = 0;
+
+  void add(std::int32_t deviation) noexcept {
+    fast = toward(fast, kFast);
+    slow = toward(slow, kSlow);
+    before_ = deviation;
+  }
+
+private:
+  [[nodiscard]] std::int32_t toward(std::int32_t mean, unsigned share) const noexcept {
+    const std::uint32_t from = static_cast<std::uint32_t>(before_) << kMeanBits;
+    const auto way = static_cast<std::int32_t>(from - static_cast<std::uint32_t>(mean));
+    return static_cast<std::int32_t>(static_cast<std::uint32_t>(mean) + static_cast<std::uint32_t>(way >> share));
+  }
+  std::int32_t before_ = 0;
+};
+
+/// Context of a residual: the logarithm, in half octaves, of the sizes of residuals nearby: `size2` and `size3` are two and
+/// three points to the left. The one just before is left out, so that a decoder can look up the table in time.
+[[nodiscard]] inline std::uint32_t rest_context(std::int32_t size2, std::int32_t size3, std::int32_t beside,
                                                 bool has_above) noexcept {
-  const auto left = static_cast<std::uint32_t>(2 * size1 + size2);
+  const auto left = static_cast<std::uint32_t>(2 * std::max(size2, size3) + size2 + size3);
   const std::uint32_t sum = (has_above ? left + static_cast<std::uint32_t>(beside) : 2 * left) + 1;
   const auto octave = static_cast<std::uint32_t>(std::bit_width(sum)) - 1;
   return 2 * octave + ((2 * sum >> octave) & 1U); // NOLINT(clang-analyzer-core.UndefinedBinaryOperatorResult): sum > 0
 }
+
+/// The chord from vertex a to the next one, b. Points on it are sums of one step, rounded down.
+struct Chord {
+  static constexpr unsigned kStepBits = 16;
+  std::int64_t step; ///< from sample to sample, in 2^-kStepBits
+  Chord(std::span<const std::int32_t> u, PointIndex a, PointIndex b) noexcept {
+    const std::int64_t rise = (std::int64_t{u[b]} - u[a]) * (std::int64_t{1} << kStepBits);
+    const std::int64_t samples = b - a;
+    step = rise / samples - (rise % samples < 0 ? 1 : 0);
+  }
+  [[nodiscard]] std::int32_t rise() const noexcept { return wrap(step >> kStepBits); }
+};
 
 /// Writes the polyline through the values at `vertices` (first and last point of every run among them) into `chord`.
 void fill_chord(std::span<const PointIndex> vertices, std::span<const std::int32_t> u, std::span<std::int32_t> chord) noexcept;
@@ -73,9 +115,10 @@ struct Neighbours {
 /// One axis of a group in the rest, as far as it is known.
 struct RestAxis {
   std::vector<std::int32_t> chord;
-  std::vector<std::int32_t> deviation; ///< u - chord
-  std::vector<std::int32_t> size;      ///< of residuals; 0 for vertices
-  std::vector<std::int64_t> above_sum; ///< of the line at hand, by place in it
+  std::vector<std::int32_t> deviation;                 ///< u - chord
+  std::vector<std::int32_t> size;                      ///< of residuals; of the rise behind vertices
+  std::array<std::vector<std::int32_t>, kMeans> means; ///< RunningMeans as each point finds them; the encoder's
+  std::vector<std::int64_t> above_sum;                 ///< of the line at hand, by place in it
   std::vector<std::int32_t> above_size;
 
   void resize(std::size_t points) {
@@ -83,6 +126,8 @@ struct RestAxis {
     deviation.resize(points);
     size.resize(points);
   }
+  /// Fills `means` from the deviations.
+  void fill_means(std::span<const Run> runs, std::span<const PointIndex> vertices);
   /// What the line before adds to the weighted sum of each point, and the sizes of residuals there.
   void weigh_above(const RestLine& line, const Neighbours& neighbours, std::span<const std::int32_t> u, const Weights& weights);
 };

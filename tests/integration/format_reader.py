@@ -240,6 +240,16 @@ def polyline(u, run):
     return out
 
 
+def chords(u, run):
+    """The same as the rest counts it: each point a whole number of rounded steps behind a knot."""
+    out = [u[run.first]]
+    for a, b in zip(run.knots, run.knots[1:]):
+        step = ((u[b] - u[a]) << 16) // (b - a)
+        out.extend(wrap(u[a] + (step * i >> 16)) for i in range(1, b - a))
+        out.append(u[b])
+    return out
+
+
 class Fan:
     """Directions of a sensor that turns."""
 
@@ -365,7 +375,7 @@ class Group:
         coded.end()
         for axis in self.uneven():
             mode, u = body.byte(), self.u[axis]
-            need(mode <= 3, f"{body.where}: mode {mode}")
+            need(mode <= 4, f"{body.where}: mode {mode}")
             coded = body.coded()
             before = None
             for run, points in zip(self.runs, inner):
@@ -467,8 +477,8 @@ class Group:
                 a, b, at = (run.went_on.get(j, run.beside(j)) - start for j in (left, right, i))
                 goes_on = points[i] is not None
                 bend = curve[at] - on_line(curve, a, b, at) if a < at < b else 0
-                context = 2 + min(19, abs(bend).bit_length()) + (20 if goes_on else 0)
-                guess = (straight, u[left], straight + bend, u[left] + curve[at] - curve[a])[mode]
+                context = 2 + min(19, abs(curve[at] - straight - bend).bit_length()) + (20 if goes_on else 0)
+                guess = (straight, u[left], straight + bend, u[left] + curve[at] - curve[a], curve[at])[mode]
             u[i] = wrap(guess + coded.next(context))
 
     # Rest
@@ -476,19 +486,20 @@ class Group:
     def read_rest(self, body, new):
         axis = body.byte()
         need(axis <= 2, f"{body.where}: lines along axis {axis}")
-        curves = [u if even else [value for run in self.runs for value in polyline(u, run)] for u, even in zip(self.u, self.even)]
+        curves = [u if even else [value for run in self.runs for value in chords(u, run)] for u, even in zip(self.u, self.even)]
         neighbours = self.neighbours(curves[axis])
         starts = [run.first for run in self.runs for _ in range(len(run))]
         for axis in self.uneven():
             mode = body.byte()
-            need(mode <= 3, f"{body.where}: mode {mode}")
-            if mode:
+            need(mode <= 4, f"{body.where}: mode {mode}")
+            if mode not in (0, 4):
                 self.read_plain(self.u[axis], curves[axis], mode, zip(new, body.planes(len(new))), starts, neighbours)
                 continue
-            weights = [body.signed() for _ in range(14)]
+            weights = [body.signed() for _ in range(8 if mode else 14)]
             need(all(-32768 <= w <= 32767 for w in weights), f"{body.where}: weights {weights}")
             coded = body.coded()
-            self.read_fitted(self.u[axis], curves[axis], weights, coded, new, starts, neighbours)
+            beside = [(None, 0, 0)] * self.count if mode else neighbours
+            self.read_fitted(self.u[axis], curves[axis], weights, coded, new, starts, beside)
             coded.end()
 
     def neighbours(self, curve):
@@ -519,21 +530,31 @@ class Group:
 
     @staticmethod
     def read_fitted(u, curve, weights, coded, new, starts, neighbours):
-        size = [0] * len(u)
+        size = [0 if i + 1 == len(u) or starts[i + 1] == i + 1 else min(abs(wrap(curve[i + 1] - curve[i])), 1 << 20) // 2
+                for i in range(len(u))]  # of points of levels; new ones get theirs below
+        known = [True] * len(u)
+        for i in new:
+            known[i] = False
+        begun = None
         for i in new:
             start, (j, first, end) = starts[i], neighbours[i]
-            near = [wrap(u[i - n] - curve[i - n]) if i - n >= start else 0 for n in range(1, 7)]
-            activity = 2 * size[i - 1] + (size[i - 2] if i - 2 >= start else 0)
+            if begun != start:
+                begun, fast, slow, before = start, 0, 0, 0
+            near = [wrap(u[i - n] - curve[i - n]) if i - n >= start else 0 for n in range(1, 7)] + [fast, slow]
+            a, b = (size[i - 1],) * 2 if known[i - 1] else (size[i - n] if i - n >= start else 0 for n in (2, 3))
+            activity = 2 * max(a, b) + a + b
             if j is None:
                 activity *= 2
             else:
-                k = [held(j + n, first, end - 1) for n in range(-2, 3)]
-                near += [wrap(u[n] - curve[n]) for n in k] + [wrap(u[k[n + 2]] - curve[i + n]) for n in (-1, 0, 1)]
-                activity += size[k[1]] + 2 * size[k[2]] + size[k[3]]
+                k = [held(j + n, first, end - 1) for n in range(-1, 2)]
+                near += [wrap(u[n] - curve[n]) for n in k] + [wrap(u[k[n + 1]] - curve[i + n]) for n in (-1, 0, 1)]
+                activity += size[k[0]] + 2 * size[k[1]] + size[k[2]]
             octave = (activity + 1).bit_length() - 1
             residual = coded.next(2 * octave + (2 * (activity + 1) >> octave) % 2)
             size[i] = min(abs(residual), 1 << 20)
             u[i] = wrap(curve[i] + (2048 + sum(w * d for w, d in zip(weights, near)) >> 12) + residual)
+            fast, slow = wrap(fast + (wrap(16 * before - fast) >> 3)), wrap(slow + (wrap(16 * before - slow) >> 5))
+            before = wrap(u[i] - curve[i])
 
     @staticmethod
     def read_plain(u, curve, mode, residuals, starts, neighbours):

@@ -22,6 +22,8 @@ TEST(Kernels, VectorUnitsChangeNothing) {
   for (std::size_t n = 0; n < 300; ++n) {
     const auto weights = noise<std::int16_t>(random, 8);
     const auto deviation = noise<std::int32_t>(random, n + 16);
+    const auto fast = noise<std::int32_t>(random, n);
+    const auto slow = noise<std::int32_t>(random, n);
     const auto value = noise<std::int32_t>(random, n + 16);
     const auto chord = noise<std::int32_t>(random, n + 16);
     auto size = noise<std::int32_t>(random, n + 16);
@@ -34,17 +36,22 @@ TEST(Kernels, VectorUnitsChangeNothing) {
     kernels::portable::weigh_above(weights.data(), above, chord.data() + 8, sum2.data(), beside2.data(), n);
     EXPECT_EQ(sum, sum2);
     EXPECT_EQ(beside, beside2);
-    kernels::residuals(weights.data(), deviation.data() + 8, sum.data(), residual.data(), n);
-    kernels::portable::residuals(weights.data(), deviation.data() + 8, sum.data(), residual2.data(), n);
-    EXPECT_EQ(residual, residual2);
+    const kernels::Left left{deviation.data() + 8, fast.data(), slow.data()};
+    for (const std::int64_t* above_sum :
+         {static_cast<const std::int64_t*>(nullptr), static_cast<const std::int64_t*>(sum.data())}) {
+      kernels::residuals(weights.data(), left, above_sum, residual.data(), n);
+      kernels::portable::residuals(weights.data(), left, above_sum, residual2.data(), n);
+      EXPECT_EQ(residual, residual2);
+    }
     kernels::sizes(residual.data(), kLargestSize, sizes.data(), n);
     for (std::size_t i = 0; i < n; ++i) ASSERT_EQ(sizes[i], size_of(residual[i]));
     for (const bool has_above : {false, true}) {
-      kernels::contexts(size.data() + 8, beside.data(), has_above, context.data(), n);
-      kernels::portable::contexts(size.data() + 8, beside.data(), has_above, context2.data(), n);
+      const std::int32_t* above_size = has_above ? beside.data() : nullptr;
+      kernels::contexts(size.data() + 8, above_size, context.data(), n);
+      kernels::portable::contexts(size.data() + 8, above_size, context2.data(), n);
       EXPECT_EQ(context, context2);
       for (std::size_t i = 0; i < n; ++i) {
-        ASSERT_EQ(context[i], rest_context(size[i + 7], size[i + 6], beside[i], has_above));
+        ASSERT_EQ(context[i], rest_context(size[i + 6], size[i + 5], beside[i], has_above));
         ASSERT_LT(context[i], 48);
       }
     }
