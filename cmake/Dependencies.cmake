@@ -11,3 +11,4 @@ find_path(TOMLPP_INCLUDE_DIR toml++/toml.h REQUIRED)         # the daemon's conf
 pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)     # blobs and repeating planes of the codec
 pkg_check_modules(ARCHIVE REQUIRED IMPORTED_TARGET libarchive) # tar, xz, gz, zst inputs
 pkg_check_modules(SYSTEMD REQUIRED IMPORTED_TARGET libsystemd) # READY, STOPPING, WATCHDOG
+pkg_check_modules(SERIALPORT REQUIRED IMPORTED_TARGET libserialport) # serial ports: custom rates, all adapters

@@ -26,7 +26,7 @@ void notify(const std::string& state) {
 sigset_t handled_signals() {
   sigset_t set;
   sigemptyset(&set);
-  for (const int number : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&set, number);
+  for (const int number : {SIGTERM, SIGINT, SIGHUP, SIGUSR1}) sigaddset(&set, number);
   return set;
 }
 
@@ -111,6 +111,7 @@ public:
         return;
       }
       if (number == SIGHUP) reload();
+      if (number == SIGUSR1) supervisor_->dump_raw();
       watchdog.look(supervisor_->progress_at());
       if (std::string now = summary(supervisor_->status()); now != told) {
         told = std::move(now);

@@ -29,12 +29,22 @@ struct DeviceFacts {
 enum class Delivery : std::uint8_t {
   line,    ///< `line` was filled, stamps included
   gap,     ///< lines were lost: `gap.count` and `gap.reason` were filled; the session knows the first index
-  nothing, ///< nothing came within Driver::kPatienceNsNs
+  nothing, ///< nothing came within Driver::kPatienceNs
   end      ///< the source is at its end and will not go on (a recorded scan)
 };
 
-/// One configured device. Thread-bound: all calls come from the acquisition thread of its session. It owns no thread, reads no
-/// clock and writes no log; reopening, back-off, staleness, pacing and counting are the session's.
+struct LinkCounters; // drivers/port/link_counters.hpp
+class RawRing;       // drivers/transport/raw_ring.hpp
+
+/// What other threads may look at while a driver works, and after. Both are thread-safe; null for a device without a link.
+struct LinkView {
+  std::shared_ptr<const LinkCounters> counters;
+  std::shared_ptr<const RawRing> raw; ///< the newest bytes from and to the device
+};
+
+/// One configured device. Most are a decoder and a handshake on a PortDriver (drivers/port). Thread-bound: all calls come from
+/// the acquisition thread of its session. It owns no thread, reads no clock and writes no log; reopening, back-off, staleness,
+/// pacing and counting are the session's.
 ///
 /// An error's code says what the session does next (see after_error): a missing device is normal and not an error of the
 /// configuration. Every context names device or file, place, reason and fix.
@@ -58,6 +68,8 @@ public:
   virtual void close() noexcept = 0;
   /// Largest rounding error met since start(), in mm.
   [[nodiscard]] virtual double rounding_mm() const noexcept { return 0.0; }
+  /// The same for the whole life of the driver.
+  [[nodiscard]] virtual LinkView link() const { return {}; }
 };
 
 /// An entry of the registry. To add a driver: a folder with this function, and one scansion_driver() line in

@@ -17,6 +17,22 @@ struct Options {
   bool json = false, watch = false;
 };
 
+/// One line about the port, with the causes for which something was refused.
+void print_link(const nlohmann::json& device) {
+  const auto link = device.find("link");
+  if (link == device.end() || !link->is_object()) return;
+  std::string refused;
+  const auto causes = link->find("rejected");
+  if (causes != link->end() && causes->is_object()) {
+    for (const auto& [cause, count] : causes->items()) {
+      if (count.is_number() && count != 0) refused += "  " + cause + " " + count.dump();
+    }
+  }
+  std::printf("  bytes in %s out %s, frames %s%s%s\n", link->value("bytes_in", nlohmann::json()).dump().c_str(),
+              link->value("bytes_out", nlohmann::json()).dump().c_str(), link->value("frames", nlohmann::json()).dump().c_str(),
+              refused.empty() ? "" : ", refused:", refused.c_str());
+}
+
 void print_text(const nlohmann::json& status) {
   const auto text = [](const nlohmann::json& object, const char* key) {
     const auto it = object.find(key);
@@ -29,6 +45,7 @@ void print_text(const nlohmann::json& status) {
     std::printf("%-16s %-12s %-10s lines %s written %s points %s gaps %s\n", text(device, "name").c_str(),
                 text(device, "driver").c_str(), text(device, "state").c_str(), text(device, "lines").c_str(),
                 text(device, "lines_written").c_str(), text(device, "points").c_str(), text(device, "gaps").c_str());
+    print_link(device);
     if (const auto error = text(device, "error"); error != "-" && !error.empty()) std::printf("  %s\n", error.c_str());
   }
 }

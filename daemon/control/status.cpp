@@ -19,6 +19,21 @@ std::string one_line(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
+Json link_json(const std::optional<LinkStatus>& link) {
+  if (!link) return nullptr;
+  Json rejected = Json::object();
+  std::uint64_t frames = link->accepted;
+  for (const auto& [cause, count] : link->rejected) {
+    rejected[cause] = count;
+    frames += count;
+  }
+  return {{"bytes_in", link->bytes_in},
+          {"bytes_out", link->bytes_out},
+          {"frames", frames},
+          {"accepted", link->accepted},
+          {"rejected", rejected}};
+}
+
 Json device_json(const DeviceStatus& device) {
   Json out;
   out["name"] = device.name;
@@ -42,6 +57,7 @@ Json device_json(const DeviceStatus& device) {
   out["last_recording"] = text_or_null(device.last_recording);
   out["blocked"] = text_or_null(device.blocked);
   out["last_line_at"] = device.last_line_ns ? Json(iso_time(*device.last_line_ns)) : Json(nullptr);
+  out["link"] = link_json(device.link);
   return out;
 }
 

@@ -11,6 +11,13 @@
 
 namespace scansion {
 
+/// What came over a device's port. frames = accepted + all of rejected.
+struct LinkStatus {
+  std::uint64_t bytes_in = 0, bytes_out = 0;
+  std::uint64_t accepted = 0;                                  ///< frames
+  std::vector<std::pair<std::string, std::uint64_t>> rejected; ///< frames by cause
+};
+
 /// State and counters of one device. Counters run since the daemon took the device up; none of them ever goes back.
 struct DeviceStatus {
   std::string name;
@@ -33,6 +40,7 @@ struct DeviceStatus {
   std::string last_recording;               ///< path of the newest finished file
   std::string blocked;                      ///< why the disk takes nothing; empty: it does
   std::optional<std::int64_t> last_line_ns; ///< realtime
+  std::optional<LinkStatus> link;           ///< empty: a device without a port
 };
 
 struct DaemonStatus {

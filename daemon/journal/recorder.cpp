@@ -39,12 +39,23 @@ Result<void> RunRecorder::check_space() const {
               " MB free, less than min_free_mb = ", std::to_string(settings_.min_free_bytes >> 20U), "; free some space");
 }
 
+std::int64_t RunRecorder::first_line_time() const {
+  const auto stamp_of = [](const LineGroup& group) -> std::optional<std::int64_t> {
+    return group.lines.empty() ? std::nullopt : group.lines.front().stamps.host_realtime_ns;
+  };
+  if (const auto stamp = writing_ != nullptr ? stamp_of(*writing_) : std::nullopt) return *stamp;
+  for (const Pending& pending : pending_) {
+    if (const auto stamp = stamp_of(pending.group)) return *stamp;
+  }
+  return clock_.realtime_ns();
+}
+
 Result<void> RunRecorder::open_file() {
-  const std::int64_t now = clock_.realtime_ns();
+  const std::int64_t begun = first_line_time();
   for (; next_number_ <= kMaxFileNumber; ++next_number_) {
-    const std::string path = ports_.directory.file_path(facts_.device, now, next_number_);
-    facts_.started_ns = now;
-    facts_.stream = crc32c(0, std::as_bytes(std::span(path)));
+    const std::string path = ports_.directory.file_path(facts_.device, begun, next_number_);
+    facts_.started_ns = begun;
+    facts_.stream = crc32c(0, std::as_bytes(std::span(path).subspan(ports_.directory.path().size())));
     auto sink = ports_.open(path, facts_);
     if (!sink && sink.assume_error().code == Errc::exists) continue;
     if (!sink) return std::move(sink).assume_error();
@@ -67,7 +78,10 @@ Result<void> RunRecorder::open_file() {
 Result<void> RunRecorder::write_group(LineGroup& group) {
   SCANSION_TRY(check_space());
   if (!sink_) {
-    SCANSION_TRY(open_file());
+    writing_ = &group;
+    auto opened = open_file();
+    writing_ = nullptr;
+    SCANSION_TRY(std::move(opened));
   }
   if (!is_encoded_) {
     group.number = groups_in_file_;
@@ -83,6 +97,7 @@ void RunRecorder::note_written(const LineGroup& group) {
   is_encoded_ = false;
   ++groups_in_file_;
   last_log_time_ns_ = encoded_.last_time_ns;
+  last_line_time_ = group.lines.back().stamps.host_realtime_ns;
   ++status_.groups_written;
   status_.lines_written += group.lines.size();
   if (sync_at_ == kNever) sync_at_ = clock_.steady_ns() + settings_.sync_interval;
@@ -182,7 +197,7 @@ void RunRecorder::rotate_if_due() {
 
 void RunRecorder::close_file(std::string_view why) {
   if (!sink_) return;
-  if (auto finished = sink_->finish(clock_.realtime_ns(), rounding_mm_); !finished) {
+  if (auto finished = sink_->finish(last_line_time_.value_or(clock_.realtime_ns()), rounding_mm_); !finished) {
     spdlog::error("{}: {} stays without its end: {}; the next start of the daemon completes it", facts_.device, status_.path,
                   finished.assume_error().context);
   } else {

@@ -43,6 +43,9 @@ struct RecorderStatus {
 /// Thread-bound. Encodes at the moment of writing, because stream id and group number belong to the file. A file is created
 /// when its first group is there, so no recording is empty.
 ///
+/// Start and end of a file are the times of its first and last line where lines have stamps. So the same lines give the same
+/// bytes, whether they come from a device or from its raw transcript.
+///
 /// A group that cannot be written stays in memory and is tried again each second; up to `pending_bytes` of groups wait so, then
 /// full() asks the caller to wait too. After a failed sync the file is closed and another one started: a later success of the
 /// same descriptor would prove nothing.
@@ -81,6 +84,8 @@ private:
 
   [[nodiscard]] Result<void> check_space() const;
   [[nodiscard]] Result<void> open_file();
+  /// Realtime of the first line of the file to be opened; now for lines without stamps.
+  [[nodiscard]] std::int64_t first_line_time() const;
   [[nodiscard]] Result<void> write_group(LineGroup& group);
   [[nodiscard]] Result<void> write_front();
   void note_written(const LineGroup& group);
@@ -101,7 +106,9 @@ private:
   bool is_encoded_ = false; ///< encoded_ holds the group that was refused, for the file that is open
   std::uint64_t groups_in_file_ = 0;
   std::uint64_t last_log_time_ns_ = 0;
-  std::uint32_t next_number_ = 1; ///< NNN of the next file name
+  std::optional<std::int64_t> last_line_time_; ///< realtime of the newest line that was written, when it has one
+  const LineGroup* writing_ = nullptr;         ///< the group a file is opened for
+  std::uint32_t next_number_ = 1;              ///< NNN of the next file name
   SteadyNs opened_at_ = 0;
   SteadyNs sync_at_ = kNever; ///< kNever: nothing written since the last sync
   double rounding_mm_ = 0.0;

@@ -34,13 +34,14 @@ private:
 
 class Acquisition {
 public:
-  Acquisition(SessionShared& shared, Driver& driver, const SessionPolicy& policy)
-      : shared_(shared), driver_(driver),
+  Acquisition(SessionShared& shared, Driver& driver, const SessionPolicy& policy, const std::function<void()>& on_fault)
+      : shared_(shared), driver_(driver), on_fault_(on_fault),
         machine_(policy, std::hash<std::string>()(shared.config.name) ^ static_cast<std::uint64_t>(shared.clock.steady_ns())) {}
 
   void run() {
     while (!shared_.stopping() && machine_.state() != SessionState::finished) {
       if (auto done = attempt(); !done) {
+        if (on_fault_ && is_fault(done.assume_error())) on_fault_();
         report(done.assume_error());
         if (machine_.state() == SessionState::closed) break;
         if (!shared_.sleep_until(machine_.retry_at())) break;
@@ -52,6 +53,12 @@ public:
   }
 
 private:
+  /// An absent device is none.
+  [[nodiscard]] bool is_fault(const Error& error) const {
+    return machine_.state() == SessionState::streaming || machine_.state() == SessionState::stale ||
+           (machine_.state() == SessionState::starting && error.context != error_);
+  }
+
   void publish() { shared_.set_state(machine_.state()); }
 
   /// From opening to the end of the run. Without an error: finished, or asked to stop.
@@ -88,7 +95,9 @@ private:
     Pacer pacer(facts.pace, shared_.clock.steady_ns());
     for (;;) {
       if (shared_.stopping()) return success();
+      const SteadyNs asked = shared_.clock.steady_ns();
       SCANSION_TRY(delivery, driver_.next(item_.line, item_.gap));
+      if (delivery == Delivery::nothing) shared_.horizon = asked;
       if (delivery == Delivery::end) {
         machine_.finished();
         publish();
@@ -165,6 +174,7 @@ private:
 
   SessionShared& shared_;
   Driver& driver_;
+  const std::function<void()>& on_fault_;
   SessionMachine machine_;
   QueueItem item_; ///< buffers travel round through the queue
   std::string error_;
@@ -173,8 +183,8 @@ private:
 
 } // namespace
 
-void acquire(SessionShared& shared, Driver& driver, const SessionPolicy& policy) {
-  Acquisition(shared, driver, policy).run();
+void acquire(SessionShared& shared, Driver& driver, const SessionPolicy& policy, const std::function<void()>& on_fault) {
+  Acquisition(shared, driver, policy, on_fault).run();
   shared.queue.close();
   shared.set_acquisition_done();
 }

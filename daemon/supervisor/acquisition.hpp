@@ -8,6 +8,7 @@ namespace scansion {
 
 /// The body of the thread. Returns after stop(), at the end of a recorded source, or when the device was given up; the queue
 /// is closed then.
-void acquire(SessionShared& shared, Driver& driver, const SessionPolicy& policy);
+/// `on_fault` is called each time the device was lost or not understood.
+void acquire(SessionShared& shared, Driver& driver, const SessionPolicy& policy, const std::function<void()>& on_fault);
 
 } // namespace scansion

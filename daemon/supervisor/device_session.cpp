@@ -2,21 +2,48 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/supervisor/device_session.hpp"
 
+#include "daemon/journal/raw_dump.hpp"
 #include "daemon/supervisor/acquisition.hpp"
 #include "daemon/supervisor/worker.hpp"
+#include "drivers/port/link_counters.hpp"
+#include "drivers/transport/raw_ring.hpp"
 
 #include <spdlog/spdlog.h>
 
 namespace scansion {
 
+namespace {
+
+/// The newest raw bytes into a file, when any came from the device.
+void dump(const SessionShared& shared, DumpReason reason, const SessionSettings& settings, const JournalPorts& ports) {
+  if (!shared.link.raw || !shared.link.raw->has_received()) return;
+  auto path = write_raw_dump(ports.directory, shared.config.name, reason, shared.link.raw->transcript(),
+                             settings.recorder.min_free_bytes);
+  if (path)
+    spdlog::info("{}: raw bytes dumped to {}", shared.config.name, path.assume_value());
+  else
+    spdlog::warn("{}: no raw dump: {}", shared.config.name, path.assume_error().context);
+}
+
+std::optional<LinkStatus> link_status(const LinkCounters* counters) {
+  if (counters == nullptr) return std::nullopt;
+  LinkStatus out{counters->bytes_in, counters->bytes_out, counters->accepted, {}};
+  for (std::size_t i = 0; i < kRejects; ++i) out.rejected.emplace_back(name(static_cast<Reject>(i)), counters->rejects[i]);
+  return out;
+}
+
+} // namespace
+
 DeviceSession::DeviceSession(DeviceConfig config, std::unique_ptr<Driver> driver, const SessionSettings& settings,
                              const JournalPorts& ports, Clock& clock)
-    : shared_(std::make_shared<SessionShared>(std::move(config), clock)), clock_(clock) {
+    : shared_(std::make_shared<SessionShared>(std::move(config), clock)), settings_(settings), ports_(ports), clock_(clock) {
   shared_->worker_beat = clock.steady_ns();
+  shared_->link = driver->link();
   worker_ = std::thread([shared = shared_, &settings, &ports] { record_lines(*shared, settings, ports); });
   // The thread owns all it touches: when the device never lets go of it, it may outlive the session.
-  acquisition_ = std::thread([shared = shared_, driver = std::move(driver), policy = settings.policy]() mutable {
-    acquire(*shared, *driver, policy);
+  auto on_fault = [shared = shared_, &settings, &ports] { dump(*shared, DumpReason::fault, settings, ports); };
+  acquisition_ = std::thread([shared = shared_, driver = std::move(driver), policy = settings.policy, on_fault]() mutable {
+    acquire(*shared, *driver, policy, on_fault);
     driver.reset();
   });
 }
@@ -51,6 +78,10 @@ bool DeviceSession::wait_recording(SteadyNs deadline) {
   return true;
 }
 
+void DeviceSession::dump_raw() const {
+  dump(*shared_, DumpReason::asked, settings_, ports_);
+}
+
 SteadyNs DeviceSession::progress_at() const {
   return shared_->wait_worker(0) ? kNever : shared_->worker_beat.load();
 }
@@ -79,6 +110,7 @@ DeviceStatus DeviceSession::status() const {
   out.recording_bytes = recorder.bytes;
   out.last_recording = recorder.last_path;
   out.blocked = recorder.blocked;
+  out.link = link_status(shared_->link.counters.get());
   if (const std::int64_t last = shared_->last_line_ns; last != 0) out.last_line_ns = last;
   return out;
 }

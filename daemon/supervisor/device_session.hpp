@@ -28,11 +28,15 @@ public:
 
   [[nodiscard]] const DeviceConfig& config() const noexcept { return shared_->config; }
   [[nodiscard]] DeviceStatus status() const;
+  /// Writes the device's newest raw bytes into the recording directory. Thread-safe.
+  void dump_raw() const;
   /// When the worker last went on. kNever once it is done: nothing is expected then.
   [[nodiscard]] SteadyNs progress_at() const;
 
 private:
   std::shared_ptr<SessionShared> shared_;
+  const SessionSettings& settings_;
+  const JournalPorts& ports_;
   Clock& clock_;
   std::thread acquisition_;
   std::thread worker_;

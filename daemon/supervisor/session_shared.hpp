@@ -25,12 +25,15 @@ struct SessionShared {
       : config(std::move(device_config)), clock(session_clock), queue(session_clock) {}
 
   const DeviceConfig config;
+  LinkView link; ///< set before the threads start
   Clock& clock;
   LineQueue queue;
 
   // Written by the acquisition thread.
   std::atomic<std::uint64_t> lines{0}, points{0}, invalid{0}, gaps{0};
   std::atomic<std::int64_t> last_line_ns{0}; ///< realtime; 0: none yet
+  /// Every line whose last byte came before this moment has been pushed. Moves on while the device is silent.
+  std::atomic<SteadyNs> horizon{0};
   // Written by the worker.
   std::atomic<SteadyNs> oldest_unwritten{kNever}; ///< of the lines that left the queue
   std::atomic<SteadyNs> worker_beat{0};           ///< when the worker last showed that it goes on

@@ -24,7 +24,7 @@ enum class SessionState : std::uint8_t {
 
 struct SessionPolicy {
   SteadyNs first_wait = 250 * kMillisecond; ///< after a failure; doubles with each further one ...
-  SteadyNs longest_wait = 10 * kSecond;     ///< ... up to this
+  SteadyNs longest_wait = kSecond;          ///< ... up to this: a device that returns is open again within 2 s
   double jitter = 0.25;                ///< each wait is varied by up to this fraction, so that devices do not retry in step
   SteadyNs stale_after = 2 * kSecond;  ///< of silence
   SteadyNs stable_after = 5 * kSecond; ///< of streaming: the next failure starts with first_wait again

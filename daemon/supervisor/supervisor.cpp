@@ -102,6 +102,11 @@ std::vector<DeviceStatus> Supervisor::status() const {
   return out;
 }
 
+void Supervisor::dump_raw() const {
+  const std::lock_guard lock(mutex_);
+  for (const auto& session : sessions_) session->dump_raw();
+}
+
 SteadyNs Supervisor::progress_at() const {
   const std::lock_guard lock(mutex_);
   SteadyNs oldest = kNever;

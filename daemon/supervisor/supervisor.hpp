@@ -30,6 +30,8 @@ public:
   [[nodiscard]] bool stop(SteadyNs budget);
 
   [[nodiscard]] std::vector<DeviceStatus> status() const;
+  /// Writes the newest raw bytes of every device into the recording directory.
+  void dump_raw() const;
   /// The oldest sign of life of any worker; kNever when there is none to expect.
   [[nodiscard]] SteadyNs progress_at() const;
 

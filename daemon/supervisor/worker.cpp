@@ -8,6 +8,9 @@ namespace {
 /// The worker wakes at least this often, so that a beat that stays away means that it is stuck.
 constexpr SteadyNs kBeat = 500 * kMillisecond;
 
+/// How often the worker looks whether the device has been silent for long enough.
+constexpr SteadyNs kLook = 20 * kMillisecond;
+
 class Worker {
 public:
   Worker(SessionShared& shared, const SessionSettings& settings, const JournalPorts& ports)
@@ -39,7 +42,10 @@ private:
   }
 
   [[nodiscard]] SteadyNs group_deadline() const {
-    return builder_.empty() || !facts_.live ? kNever : group_since_ + settings_.group_age;
+    if (builder_.empty() || !facts_.live) return kNever;
+    const SteadyNs due = group_since_ + settings_.group_age;
+    if (!group_begin_) return due;
+    return std::max(due, shared_.clock.steady_ns() + kLook);
   }
 
   void take(QueueItem& item) {
@@ -76,10 +82,27 @@ private:
 
   void take_line(const QueueItem& item) {
     note_rounding(item);
-    if (builder_.must_close_before(item.line)) close_group();
-    if (builder_.empty()) group_since_ = item.since;
+    if (builder_.must_close_before(item.line) || is_older_than_group(item.line)) close_group();
+    if (builder_.empty()) {
+      group_since_ = item.since;
+      group_begin_ = item.line.stamps.host_monotonic_ns;
+    }
     builder_.add(item.line);
     if (builder_.full()) close_group();
+  }
+
+  /// Lines with stamps are grouped by these, so that a device and its raw transcript give the same groups.
+  [[nodiscard]] bool is_older_than_group(const LineBuffer& line) const {
+    const auto& stamp = line.stamps.host_monotonic_ns;
+    return !builder_.empty() && group_begin_ && stamp && *stamp - *group_begin_ >= settings_.group_age;
+  }
+
+  /// No line that still belongs to the open group can come.
+  [[nodiscard]] bool is_group_over() const {
+    if (builder_.empty() || !facts_.live) return false;
+    if (!group_begin_) return shared_.clock.steady_ns() >= group_deadline();
+    // The horizon is read first: what was pushed before it moved is in the queue.
+    return shared_.horizon >= *group_begin_ + settings_.group_age && shared_.queue.depth() == 0;
   }
 
   void take_gap(Gap& gap) {
@@ -107,7 +130,7 @@ private:
   }
 
   void tick() {
-    if (shared_.clock.steady_ns() >= group_deadline()) close_group();
+    if (is_group_over()) close_group();
     if (recorder_ && shared_.clock.steady_ns() >= recorder_->next_deadline()) {
       recorder_->tick();
       publish();
@@ -148,7 +171,8 @@ private:
   GroupBuilder builder_;
   LineGroup group_;
   SteadyNs group_since_ = 0;
-  bool is_ending_ = false; ///< the device's run is over, its recording not yet
+  std::optional<SteadyNs> group_begin_; ///< stamp of its first line
+  bool is_ending_ = false;              ///< the device's run is over, its recording not yet
   std::optional<RunRecorder> recorder_;
   RecorderStatus before_; ///< sums over the runs that ended
 };
