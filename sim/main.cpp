@@ -1,8 +1,10 @@
 // scansim: stands in for parts and devices. One verb a file in cli/; this only picks the verb.
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/model/result.hpp"
+#include "sim/cli/device_verb.hpp"
 #include "sim/cli/progress.hpp"
 #include "sim/cli/scene_verb.hpp"
+#include "sim/device/scip/scip_entry.hpp"
 
 #include <CLI/CLI.hpp>
 #include <array>
@@ -11,10 +13,10 @@
 int main(int argc, char** argv) {
   using namespace scansion;
   constexpr int kUsage = 2;
-  CLI::App app("Synthetic scans for tests and newcomers", "scansim");
+  CLI::App app("Synthetic scans and simulated devices, for tests and newcomers", "scansim");
   app.set_version_flag("--version", "scansim " SCANSION_VERSION);
   app.require_subcommand(1);
-  const std::array verbs{add_scene_verb(app)};
+  const std::array verbs{add_scene_verb(app), add_device_verb(app, scip_entry())};
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
