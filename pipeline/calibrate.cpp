@@ -19,16 +19,26 @@ constexpr std::uint32_t kMaxEpoch = 0xFFFF; // a 16 bit field of the payload hea
 // Fewer inner points say nothing about a scan.
 constexpr std::size_t kEnoughPoints = 256;
 
-void inner_distances(const GroupRanks& ranks, std::vector<double>& out) {
+// Finite distances of a sample of the points: the share of a few per cent is as well seen in thousands as in all.
+void sample_distances(const GroupRanks& ranks, std::size_t sample, std::vector<double>& out) {
+  const std::size_t stride = std::max<std::size_t>(1, ranks.distance.size() / sample);
   out.clear();
+  for (std::size_t i = 0; i < ranks.distance.size(); i += stride)
+    if (const double d = ranks.distance[i]; std::isfinite(d)) out.push_back(d);
+}
+
+// The largest finite distance; 0 without inner points.
+double largest_distance(const GroupRanks& ranks) noexcept {
+  double largest = 0.0;
   for (const double d : ranks.distance)
-    if (std::isfinite(d)) out.push_back(d);
+    if (std::isfinite(d)) largest = std::max(largest, d);
+  return largest;
 }
 
 // Standard deviation of the noise across the line in mm, from the distances of points to the segment of their neighbours: on a
 // smooth line such a distance is the second difference of the noise, halved.
 double noise_sigma(const LineGroup& group, Rational resolution, std::vector<double>& scratch) {
-  constexpr std::size_t kSample = 16384;
+  constexpr std::size_t kSample = 2048;
   const std::size_t stride = std::max<std::size_t>(1, group.points() / kSample);
   scratch.clear();
   for (const Run& run : group.runs) {
@@ -47,15 +57,16 @@ double noise_sigma(const LineGroup& group, Rational resolution, std::vector<doub
 } // namespace
 
 std::vector<double> Calibrator::calibrate(const LineGroup& group, const GroupRanks& ranks, Rational resolution_mm) {
-  inner_distances(ranks, scratch_);
   std::vector<double> tolerances(spec_.count);
   if (spec_.kind == LevelSpec::Kind::uniform) {
-    const double d_max = scratch_.empty() ? 0.0 : *std::ranges::max_element(scratch_);
+    const double d_max = largest_distance(ranks);
     const double largest = d_max > 0 ? d_max : resolution_mm.value();
     for (std::uint32_t i = 0; i < spec_.count; ++i) tolerances[i] = largest * (spec_.count - i) / spec_.count;
     return tolerances;
   }
   double finest = 0.0;
+  constexpr std::size_t kSample = 8192;
+  sample_distances(ranks, kSample, scratch_);
   if (!scratch_.empty()) {
     const auto kept = static_cast<std::ptrdiff_t>(kShare * static_cast<double>(scratch_.size()));
     std::nth_element(scratch_.begin(), scratch_.begin() + kept, scratch_.end(), std::greater<>());
@@ -80,24 +91,22 @@ const AlphaSet& Calibrator::next(const LineGroup& group, const GroupRanks& ranks
   }
   if (fixed) return alpha_;
 
-  std::size_t inner = 0;
-  std::size_t kept = 0;
-  double farthest = 0.0;
-  for (const double d : ranks.distance) {
-    if (!std::isfinite(d)) continue;
-    ++inner;
-    farthest = std::max(farthest, d);
-    if (!alpha_.tolerances.empty() && d > alpha_.tolerances.back()) ++kept;
-  }
+  std::size_t ends = 0; // their distances are infinite
+  for (const Run& run : group.runs) ends += std::min<std::size_t>(run.count, 2);
+  const std::size_t inner = group.points() - ends;
   bool change = alpha_.tolerances.empty();
   if (!change && inner >= kEnoughPoints) {
-    const double share = static_cast<double>(kept) / static_cast<double>(inner);
-    if (!calibrated_)
+    if (!calibrated_) {
       change = true; // the set in force was made from too few points
-    else if (spec_.kind == LevelSpec::Kind::uniform)
+    } else if (spec_.kind == LevelSpec::Kind::uniform) {
+      const double farthest = largest_distance(ranks);
       change = farthest > alpha_.tolerances.front() || (farthest > 0 && farthest < alpha_.tolerances.front() / kShareRange);
-    else
+    } else {
+      std::size_t kept = 0;
+      for (const double d : ranks.distance) kept += d > alpha_.tolerances.back() ? 1U : 0U;
+      const double share = static_cast<double>(kept - ends) / static_cast<double>(inner);
       change = share > kShare * kShareRange || share < kShare / kShareRange;
+    }
   }
   if (change) {
     std::vector<double> tolerances = calibrate(group, ranks, resolution_mm);

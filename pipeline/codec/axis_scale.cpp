@@ -73,7 +73,12 @@ std::uint32_t shared_step(std::span<const std::int32_t> values) noexcept {
 
 AxisScale scale_of(std::span<const std::int32_t> values, bool may_split) noexcept {
   if (values.empty()) return {};
-  const auto [low, high] = std::ranges::minmax(values);
+  std::int32_t low = values.front();
+  std::int32_t high = low;
+  for (const std::int32_t v : values) { // two values at a time, as std::minmax has it, is no work for vector units
+    low = std::min(low, v);
+    high = std::max(high, v);
+  }
   if (low == high) return {low, 1, false, false};
   std::int64_t step = shared_step(values);
   const std::int64_t range = std::int64_t{high} - low;
@@ -149,6 +154,13 @@ void to_steps(std::span<const std::int32_t> values, const AxisScale& scale, std:
   // The base lies in the middle of the values, so their differences from it fit 32 bits.
   const Divider by(scale.step);
   for (std::size_t i = 0; i < n; ++i) u[i] = by.divide(static_cast<std::int32_t>(static_cast<std::uint32_t>(values[i]) - base));
+}
+
+void ends_to_steps(std::span<const std::int32_t> values, const AxisScale& scale, std::span<const Run> runs,
+                   std::span<std::int32_t> u) noexcept {
+  for (const Run& run : runs)
+    for (const std::uint32_t i : {run.first, run.first + run.count - 1})
+      u[i] = static_cast<std::int32_t>(scale.steps(values[i]));
 }
 
 } // namespace scansion

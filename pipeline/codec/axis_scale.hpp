@@ -36,5 +36,8 @@ using AxisScales = std::array<AxisScale, 3>;
 
 /// u of every value. `scale` must come from find_scale() over these values.
 void to_steps(std::span<const std::int32_t> values, const AxisScale& scale, std::span<std::int32_t> u) noexcept;
+/// Only of the first and last points of runs: all there is to say of an even axis.
+void ends_to_steps(std::span<const std::int32_t> values, const AxisScale& scale, std::span<const Run> runs,
+                   std::span<std::int32_t> u) noexcept;
 
 } // namespace scansion

@@ -91,12 +91,9 @@ Result<void> GroupDecoder::Impl::read_level(ByteReader& from, const PayloadHeade
 void GroupDecoder::Impl::find_neighbours(const LineGroup& group) {
   if (has_neighbours) return;
   has_neighbours = true;
-  auto& chord = rest_axes[along].chord;
-  if (scales[along].even)
-    chord.assign(state.u[along].begin(), state.u[along].end());
-  else
-    fill_chord(state.known, state.u[along], chord);
-  neighbours.find(group, state, scales[along], chord);
+  std::vector<std::int32_t>& chord = rest_axes[along].chord;
+  if (!scales[along].even) fill_chord(state.known, state.u[along], chord);
+  neighbours.find(group, state, scales[along], scales[along].even ? state.u[along] : chord);
 }
 
 Result<void> GroupDecoder::Impl::read_fitted_axis(ByteReader& from, const LineGroup& group, std::size_t axis, bool with_above) {

@@ -42,8 +42,10 @@ struct GroupEncoder::Impl {
   FanFinder fans;
   Bytes table;
   std::array<std::vector<PointIndex>, kMaxLevels> level_points;
+  std::vector<std::uint32_t> vertices;           ///< of one run, scratch
   std::array<double, kMaxLevels + 1> farthest{}; // per alpha-width: the largest finite D
   std::vector<std::int32_t> ends;
+  bool followed = true; ///< the level before follows the line before
   struct Trial {
     std::array<std::int32_t, kLevelModes> residual;
     std::uint32_t context;
@@ -79,17 +81,17 @@ void GroupEncoder::Impl::sort_levels(const LineGroup& group, const GroupRanks& r
   farthest.fill(0.0);
   const double finest = alpha.tolerances.back();
   double rest = 0.0;
-  for (const Run& run : group.runs)
-    for (PointIndex i = run.first + 1; i + 1 < run.first + run.count; ++i) {
-      const double d = ranks.distance[i];
-      if (d > finest) {
-        const std::size_t k = alpha.width(d);
-        level_points[k].push_back(i);
-        farthest[k] = std::max(farthest[k], d);
-      } else {
-        rest = std::max(rest, d);
-      }
+  vertices.resize(group.points());
+  for (const Run& run : group.runs) {
+    if (run.count < 3) continue;
+    const double* const d = ranks.distance.data() + run.first + 1;
+    const std::size_t found = kernels::above(d, finest, vertices.data(), run.count - 2, rest);
+    for (std::size_t v = 0; v < found; ++v) {
+      const std::size_t k = alpha.width(d[vertices[v]]);
+      level_points[k].push_back(run.first + 1 + vertices[v]);
+      farthest[k] = std::max(farthest[k], d[vertices[v]]);
     }
+  }
   farthest[levels] = rest;
 }
 
@@ -97,7 +99,10 @@ void GroupEncoder::Impl::load(const LineGroup& group) {
   state.reset(group.points());
   for (std::size_t axis = 0; axis < 3; ++axis) {
     scales[axis] = find_scale(group.xyz[axis], group.runs, ends);
-    to_steps(group.xyz[axis], scales[axis], state.u[axis]);
+    if (scales[axis].even)
+      ends_to_steps(group.xyz[axis], scales[axis], group.runs, state.u[axis]);
+    else
+      to_steps(group.xyz[axis], scales[axis], state.u[axis]);
   }
   facts.exact = !group.ulp[0].empty();
   find_fan(group);
@@ -165,15 +170,21 @@ void GroupEncoder::Impl::write_level_positions(const LineGroup& group, std::span
     write_positions(group.runs, points, follow, state, symbols);
     return symbols.estimate();
   };
-  const std::uint64_t alone = attempt(false);
-  const bool follow = attempt(true) <= alone;
-  if (!follow) (void)attempt(false);
+  // A level whose coarser one did not follow hardly ever does: its vertices are more like noise.
+  bool follow = followed;
+  if (follow) {
+    const std::uint64_t following = attempt(true);
+    follow = following <= attempt(false);
+  }
+  if (follow || !followed) (void)attempt(follow);
+  followed = follow;
   to.push_back(std::byte{follow});
   symbols.write(to);
 }
 
 void GroupEncoder::Impl::write_level(const LineGroup& group, std::uint8_t level, Bytes& to) {
   if (level == 0) {
+    followed = true;
     write_even_ends(group, to);
     align_runs(group, scales, state);
     for (const Run& run : group.runs) {
@@ -208,14 +219,12 @@ void GroupEncoder::Impl::write_rest(const LineGroup& group, Bytes& to) {
   to.push_back(static_cast<std::byte>(along));
   const std::size_t points = group.points();
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (scales[axis].even && axis != along) continue;
+    if (scales[axis].even) continue;
     rest_axes[axis].resize(points);
-    if (scales[axis].even)
-      std::ranges::copy(state.u[axis], rest_axes[axis].chord.begin());
-    else
-      fill_chord(state.known, state.u[axis], rest_axes[axis].chord);
+    fill_chord(state.known, state.u[axis], rest_axes[axis].chord);
   }
-  neighbours.find(group, state, scales[along], rest_axes[along].chord);
+  if (scales[along].even) fill_even(group.runs, state.u[along]);
+  neighbours.find(group, state, scales[along], scales[along].even ? state.u[along] : rest_axes[along].chord);
   rest_residuals.resize(points);
   rest_contexts.resize(points);
   for (std::size_t axis = 0; axis < 3; ++axis)
@@ -223,7 +232,7 @@ void GroupEncoder::Impl::write_rest(const LineGroup& group, Bytes& to) {
 }
 
 void GroupEncoder::Impl::write_rest_axis(const LineGroup& group, std::size_t axis, Bytes& to) {
-  constexpr std::size_t kSample = 2048;
+  constexpr std::size_t kSample = 1536;
   const auto& u = state.u[axis];
   RestAxis& at = rest_axes[axis];
   kernels::subtract(u.data(), at.chord.data(), at.deviation.data(), u.size());

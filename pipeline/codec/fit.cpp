@@ -11,9 +11,9 @@
 namespace scansion {
 namespace {
 
-std::int64_t guess(const Weights& weights, const WeightFit::Row& deviations) noexcept {
+std::int64_t guess(const Weights& weights, const WeightFit::Row& deviations, std::size_t count) noexcept {
   std::int64_t sum = std::int64_t{1} << (kWeightBits - 1);
-  for (std::size_t k = 0; k < kWeights; ++k) sum += std::int64_t{weights[k]} * deviations[k];
+  for (std::size_t k = 0; k < count; ++k) sum += std::int64_t{weights[k]} * deviations[k];
   return sum >> kWeightBits;
 }
 
@@ -49,10 +49,10 @@ Weights WeightFit::solve(Normal l, std::size_t count) const noexcept {
   return out;
 }
 
-std::uint64_t WeightFit::cost(const Weights& weights) const noexcept {
+std::uint64_t WeightFit::cost(const Weights& weights, std::size_t count) const noexcept {
   std::uint64_t sum = 0;
   for (const Sample& s : rows_) {
-    sum += log2_fixed(2 * static_cast<std::uint32_t>(size_of(wrap(s.target - guess(weights, s.deviations)))) + 1);
+    sum += log2_fixed(2 * static_cast<std::uint32_t>(size_of(wrap(s.target - guess(weights, s.deviations, count)))) + 1);
   }
   return sum;
 }
@@ -75,7 +75,7 @@ void WeightFit::measure() {
 }
 
 // With weights at hand a row counts by what they leave of it, too.
-WeightFit::Normal WeightFit::normal_of(const Weights* first) const noexcept {
+WeightFit::Normal WeightFit::normal_of(const Weights* first, std::size_t count) const noexcept {
   Normal normal{};
   const std::size_t stride = first != nullptr ? 2 : 1;
   for (std::size_t row = 0; row < rows_.size(); row += stride) {
@@ -85,10 +85,10 @@ WeightFit::Normal WeightFit::normal_of(const Weights* first) const noexcept {
     x[kWeights] = s.target;
     double square = sizes_[row] * sizes_[row];
     if (first != nullptr) {
-      const double left = wrap(s.target - guess(*first, s.deviations));
+      const double left = wrap(s.target - guess(*first, s.deviations, count));
       square = (square + left * left) / 2;
     }
-    kernels::add_products(x.data(), 1.0 / (square + floor_), normal[0].data(), kWeights);
+    kernels::add_products(x.data(), 1.0 / (square + floor_), normal[0].data(), count);
   }
   return normal;
 }
@@ -96,16 +96,17 @@ WeightFit::Normal WeightFit::normal_of(const Weights* first) const noexcept {
 WeightFit::Fitted WeightFit::solve() {
   if (rows_.empty()) return {};
   measure();
-  const Normal normal = normal_of(nullptr);
+  const Normal normal = normal_of(nullptr, kWeights);
   const Weights line = solve(normal, kLineWeights);
   const Weights all = solve(normal, kWeights);
-  const std::uint64_t line_cost = cost(line);
-  const std::uint64_t all_cost = cost(all);
+  const std::uint64_t line_cost = cost(line, kLineWeights);
+  const std::uint64_t all_cost = cost(all, kWeights);
   constexpr std::uint64_t kWorth = 128; // leaving the line before alone is faster on either side
   const bool with_above = all_cost < line_cost - line_cost / kWorth;
   const Weights& first = with_above ? all : line;
-  const Weights second = solve(normal_of(&first), with_above ? kWeights : kLineWeights);
-  return {cost(second) < (with_above ? all_cost : line_cost) ? second : first, with_above};
+  const std::size_t count = with_above ? kWeights : kLineWeights;
+  const Weights second = solve(normal_of(&first, count), count);
+  return {cost(second, count) < (with_above ? all_cost : line_cost) ? second : first, with_above};
 }
 
 } // namespace scansion

@@ -28,9 +28,9 @@ private:
   static constexpr std::size_t kColumns = 16; // the weights, the right side, nothing
   using Normal = std::array<std::array<double, kColumns>, kWeights>;
   void measure();
-  [[nodiscard]] Normal normal_of(const Weights* first) const noexcept;
+  [[nodiscard]] Normal normal_of(const Weights* first, std::size_t count) const noexcept;
   [[nodiscard]] Weights solve(Normal normal, std::size_t count) const noexcept;
-  [[nodiscard]] std::uint64_t cost(const Weights& weights) const noexcept;
+  [[nodiscard]] std::uint64_t cost(const Weights& weights, std::size_t count) const noexcept;
   std::vector<Sample> rows_;
   std::vector<double> sizes_; ///< mean size of what stands in each row
   std::vector<double> usual_;

@@ -132,6 +132,7 @@ Classes classes_of(const TokenCounts& counts) noexcept {
     return out;
   }
   std::array<Choices, kTokens> steps;
+  std::size_t choices = 0; // of the token before
   const auto smooth = [&](std::size_t t) {
     const auto n = [&](std::size_t back, std::size_t on) {
       return std::uint64_t{t >= back && t + on < kTokens + back ? counts[t + on - back] : 0};
@@ -150,7 +151,7 @@ Classes classes_of(const TokenCounts& counts) noexcept {
     std::uint64_t least = std::uint64_t{step_bits[kMaxClass]} << kLogBits;
     if (t > 0) {
       least = kNever;
-      for (std::uint8_t b = 0; b < kChoices; ++b) {
+      for (std::uint8_t b = 0; b < choices; ++b) {
         const Choice& from = steps[t - 1][b];
         const std::uint64_t cost = from.cost + (std::uint64_t{step_bits[from.k]} << kLogBits);
         choice.before = cost < least ? b : choice.before;
@@ -161,17 +162,19 @@ Classes classes_of(const TokenCounts& counts) noexcept {
     choice.cost =
         least + counts[t] * std::uint64_t{kWeightLogs[kMaxClass] - kWeightLogs[choice.k]} + (weight(choice.k) * others >> 10U);
   };
+  constexpr std::uint64_t kFew = 1024;
+  const int around = sum < kFew ? kAround : 1; // with many tokens the best is near
   for (std::size_t t = 0; t < used; ++t) {
     const int middle = class_of(smooth(t) * to_weight >> 32U);
     const int exact = class_of(std::uint64_t{9} * counts[t] * to_weight >> 32U);
-    for (Choice& choice : steps[t]) choice = {0, 0, kNever};
     std::size_t c = 0;
     if (counts[t] == 0) consider(t, c++, 0);
-    for (int k = std::max(1, middle - kAround); k <= std::min<int>(kMaxClass, middle + kAround); ++k) consider(t, c++, k);
-    if (std::abs(exact - middle) > kAround) consider(t, c, exact);
+    for (int k = std::max(1, middle - around); k <= std::min<int>(kMaxClass, middle + around); ++k) consider(t, c++, k);
+    if (std::abs(exact - middle) > around) consider(t, c++, exact);
+    choices = c;
   }
   std::size_t best = 0;
-  for (std::size_t c = 1; c < kChoices; ++c)
+  for (std::size_t c = 1; c < choices; ++c)
     if (steps[used - 1][c].cost < steps[used - 1][best].cost) best = c;
   for (std::size_t t = used; t-- > 0; best = steps[t][best].before) out[t] = steps[t][best].k;
   return out;

@@ -144,6 +144,23 @@ void add_products(const double* x, double factor, double* normal, std::size_t ro
     add_products_body(x, factor, normal, rows);
 }
 
+std::size_t above(const double* values, double limit, std::uint32_t* indexes, std::size_t n, double& rest) noexcept {
+  // Where the next one lies cannot be foreseen, so nothing here branches on it. Doubles that are not negative have the order of
+  // their bits.
+  const auto limit_bits = std::bit_cast<std::uint64_t>(limit);
+  std::array<std::uint64_t, 2> most{};
+  std::size_t found = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto v = std::bit_cast<std::uint64_t>(values[i]);
+    indexes[found] = static_cast<std::uint32_t>(i);
+    found += v > limit_bits ? 1 : 0;
+    const std::uint64_t held = v > limit_bits ? 0 : v;
+    most[i % 2] = std::max(most[i % 2], held);
+  }
+  rest = std::max({rest, std::bit_cast<double>(most[0]), std::bit_cast<double>(most[1])});
+  return found;
+}
+
 void subtract(const std::int32_t* __restrict a, const std::int32_t* __restrict b, std::int32_t* __restrict to,
               std::size_t n) noexcept {
   for (std::size_t i = 0; i < n; ++i) to[i] = minus(a[i], b[i]);

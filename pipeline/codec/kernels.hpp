@@ -8,6 +8,11 @@
 
 namespace scansion::kernels {
 
+/// Writes the indexes of the values above `limit` to `indexes`, which has room for n, and returns how many they are; raises
+/// `rest` to the largest of the others. No value is negative.
+[[nodiscard]] std::size_t above(const double* values, double limit, std::uint32_t* indexes, std::size_t n,
+                                double& rest) noexcept;
+
 /// to[i] = a[i] - b[i], modulo 2^32.
 void subtract(const std::int32_t* a, const std::int32_t* b, std::int32_t* to, std::size_t n) noexcept;
 /// to[i] = base + step * u[i], modulo 2^32.

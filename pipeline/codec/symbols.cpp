@@ -18,7 +18,8 @@ std::uint64_t cost_of_both(const TokenCounts& a, const TokenCounts& b) noexcept 
 } // namespace
 
 void SymbolWriter::clear() noexcept {
-  symbols_.clear();
+  size_ = 0;
+  plain_.clear();
   for (; used_ != 0; used_ &= used_ - 1) counts_[static_cast<std::size_t>(std::countr_zero(used_))].fill(0);
   tables_chosen_ = 0;
 }
@@ -70,27 +71,30 @@ void SymbolWriter::choose_tables() {
 }
 
 void SymbolWriter::put(std::span<const std::int32_t> values, std::span<const std::uint8_t> contexts) {
-  const std::size_t from = symbols_.size();
-  symbols_.resize(from + values.size());
-  Symbol* to = symbols_.data() + from;
+  if (symbols_.size() < size_ + values.size()) symbols_.resize(2 * (size_ + values.size()));
+  Symbol* const to = symbols_.data() + size_;
+  std::uint64_t used = 0;
   for (std::size_t i = 0; i < values.size(); ++i) {
     const std::uint32_t folded = fold(values[i]);
     const std::uint32_t token = token_of(folded);
-    used_ |= std::uint64_t{1} << contexts[i];
+    used |= std::uint64_t{1} << contexts[i];
+    if (token >= kDirectTokens) plain_.push_back(static_cast<std::uint32_t>(size_ + i));
     to[i] = {folded, static_cast<std::uint8_t>(token), contexts[i]};
     ++counts_[contexts[i]][token];
   }
+  used_ |= used;
+  size_ += values.size();
 }
 
 bool SymbolWriter::only_zeros() const noexcept {
-  return std::ranges::all_of(symbols_, [](const Symbol& s) { return s.token == 0; });
+  return std::ranges::all_of(std::span(symbols_).first(size_), [](const Symbol& s) { return s.token == 0; });
 }
 
 std::uint64_t SymbolWriter::estimate() {
   if (only_zeros()) return 0;
   choose_tables();
   std::uint64_t cost = cost_;
-  for (const Symbol& s : symbols_) cost += std::uint64_t{kTokenRanges[s.token].bits} << kLogBits;
+  for (const std::uint32_t i : plain_) cost += std::uint64_t{kTokenRanges[symbols_[i].token].bits} << kLogBits;
   return cost >> kLogBits;
 }
 
@@ -119,15 +123,18 @@ void SymbolWriter::write(Bytes& to) {
 
 void SymbolWriter::write_symbols(Bytes& to) {
   // Last in, first out: the reader's first token is pushed last.
-  words_.resize(2 * symbols_.size() + 4 * kRansStates);
+  words_.resize(2 * size_ + 4 * kRansStates);
   std::byte* const end = words_.data() + words_.size();
   std::byte* at = end;
   std::array<std::uint32_t, kRansStates> states;
   states.fill(kRansLow);
-  std::size_t n = symbols_.size();
+  std::array<const RansEncodeTable::Entry*, kMaxContexts> entries;
+  for (std::size_t c = 0; c < kMaxContexts; ++c) entries[c] = tables_[table_of_[c]].entries.data();
+  const Symbol* const symbols = symbols_.data();
+  std::size_t n = size_;
   const auto push = [&](std::uint32_t state) {
-    const Symbol& s = symbols_[--n];
-    return rans_push(state, tables_[table_of_[s.context]].entries[s.token], at);
+    const Symbol s = symbols[--n];
+    return rans_push(state, entries[s.context][s.token], at);
   };
   if (n % 2 != 0) states[0] = push(states[0]);
   while (n > 0) {
@@ -140,8 +147,10 @@ void SymbolWriter::write_symbols(Bytes& to) {
 
   words_.clear();
   BitWriter bits(words_);
-  for (const Symbol& s : symbols_)
-    if (s.token >= kDirectTokens) bits.put(s.folded - kTokenRanges[s.token].first, kTokenRanges[s.token].bits);
+  for (const std::uint32_t i : plain_) {
+    const Symbol& s = symbols_[i];
+    bits.put(s.folded - kTokenRanges[s.token].first, kTokenRanges[s.token].bits);
+  }
   bits.flush();
   put_varint(to, words_.size());
   to.insert(to.end(), words_.begin(), words_.end());

@@ -17,7 +17,9 @@ public:
   void put(std::int32_t value, std::uint32_t context) {
     const std::uint32_t folded = fold(value);
     const std::uint32_t token = token_of(folded);
-    symbols_.push_back({folded, static_cast<std::uint8_t>(token), static_cast<std::uint8_t>(context)});
+    if (size_ == symbols_.size()) symbols_.resize(2 * size_ + 64);
+    if (token >= kDirectTokens) plain_.push_back(static_cast<std::uint32_t>(size_));
+    symbols_[size_++] = {folded, static_cast<std::uint8_t>(token), static_cast<std::uint8_t>(context)};
     ++counts_[context][token];
     used_ |= std::uint64_t{1} << context;
   }
@@ -37,7 +39,9 @@ private:
   [[nodiscard]] bool only_zeros() const noexcept;
   void write_symbols(Bytes& to);
 
-  std::vector<Symbol> symbols_;
+  std::vector<Symbol> symbols_; ///< the first size_ count; the others are memory
+  std::size_t size_ = 0;
+  std::vector<std::uint32_t> plain_; ///< indexes of symbols that have plain bits
   std::array<TokenCounts, kMaxContexts> counts_{};
   std::uint64_t used_ = 0;                            ///< contexts that have counts
   std::size_t tables_chosen_ = 0;                     ///< 0: not yet
