@@ -202,7 +202,7 @@ Result<void> GroupDecoder::Impl::publish(ByteReader& from, const PayloadHeader& 
     for (std::size_t p = 0; p < points.size(); ++p) out.group.ulp[axis][points[p]] = residuals[p];
   }
   if (rest)
-    for (std::uint8_t& w : out.width) w = std::min(w, header.level);
+    kernels::cap(out.width.data(), header.level, out.width.size());
   else
     for (const PointIndex i : points) out.width[i] = header.level;
   return success();

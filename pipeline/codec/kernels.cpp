@@ -92,7 +92,24 @@ SCANSION_INLINE void add_products_body(const double* x, double factor, double* n
   }
 }
 
+SCANSION_INLINE void from_steps_body(const std::int32_t* __restrict u, std::uint32_t base, std::uint32_t step,
+                                     std::int32_t* __restrict to, std::size_t n) noexcept {
+  for (std::size_t i = 0; i < n; ++i) to[i] = static_cast<std::int32_t>(base + step * static_cast<std::uint32_t>(u[i]));
+}
+
+SCANSION_INLINE void ramp_body(std::uint32_t first, std::uint32_t step, std::int32_t* to, std::size_t n) noexcept {
+  for (std::size_t i = 0; i < n; ++i) to[i] = static_cast<std::int32_t>(first + step * static_cast<std::uint32_t>(i));
+}
+
 #if defined(__x86_64__)
+__attribute__((target("avx2"))) void from_steps_avx2(const std::int32_t* u, std::uint32_t base, std::uint32_t step,
+                                                     std::int32_t* to, std::size_t n) noexcept {
+  from_steps_body(u, base, step, to, n);
+}
+__attribute__((target("avx2"))) void ramp_avx2(std::uint32_t first, std::uint32_t step, std::int32_t* to,
+                                               std::size_t n) noexcept {
+  ramp_body(first, step, to, n);
+}
 __attribute__((target("avx2"))) void add_products_avx2(const double* x, double factor, double* normal,
                                                        std::size_t rows) noexcept {
   add_products_body(x, factor, normal, rows);
@@ -117,6 +134,8 @@ bool has_avx2() noexcept {
 bool has_avx2() noexcept {
   return false;
 }
+constexpr auto from_steps_avx2 = from_steps_body;
+constexpr auto ramp_avx2 = ramp_body;
 constexpr auto add_products_avx2 = add_products_body;
 constexpr auto weigh_above_avx2 = weigh_above_body;
 constexpr auto residuals_avx2 = residuals_body;
@@ -166,13 +185,22 @@ void subtract(const std::int32_t* __restrict a, const std::int32_t* __restrict b
   for (std::size_t i = 0; i < n; ++i) to[i] = minus(a[i], b[i]);
 }
 
-void from_steps(const std::int32_t* __restrict u, std::uint32_t base, std::uint32_t step, std::int32_t* __restrict to,
-                std::size_t n) noexcept {
-  for (std::size_t i = 0; i < n; ++i) to[i] = static_cast<std::int32_t>(base + step * static_cast<std::uint32_t>(u[i]));
+void from_steps(const std::int32_t* u, std::uint32_t base, std::uint32_t step, std::int32_t* to, std::size_t n) noexcept {
+  if (has_avx2())
+    from_steps_avx2(u, base, step, to, n);
+  else
+    from_steps_body(u, base, step, to, n);
 }
 
 void ramp(std::uint32_t first, std::uint32_t step, std::int32_t* to, std::size_t n) noexcept {
-  for (std::uint32_t i = 0; i < n; ++i) to[i] = static_cast<std::int32_t>(first + step * i);
+  if (has_avx2())
+    ramp_avx2(first, step, to, n);
+  else
+    ramp_body(first, step, to, n);
+}
+
+void cap(std::uint8_t* values, std::uint8_t most, std::size_t n) noexcept {
+  for (std::size_t i = 0; i < n; ++i) values[i] = std::min(values[i], most);
 }
 
 void slope(std::int32_t from, std::int64_t step, std::int32_t* to, std::size_t n) noexcept {

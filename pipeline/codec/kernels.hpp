@@ -17,6 +17,8 @@ namespace scansion::kernels {
 void subtract(const std::int32_t* a, const std::int32_t* b, std::int32_t* to, std::size_t n) noexcept;
 /// to[i] = base + step * u[i], modulo 2^32.
 void from_steps(const std::int32_t* u, std::uint32_t base, std::uint32_t step, std::int32_t* to, std::size_t n) noexcept;
+/// values[i] = min(values[i], most).
+void cap(std::uint8_t* values, std::uint8_t most, std::size_t n) noexcept;
 /// to[i] = first + step * i, modulo 2^32.
 void ramp(std::uint32_t first, std::uint32_t step, std::int32_t* to, std::size_t n) noexcept;
 

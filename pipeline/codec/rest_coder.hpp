@@ -13,15 +13,16 @@ namespace scansion {
 template <bool kAbove, class Cursor>
 std::size_t decode_fitted_run(const Run& run, std::span<const PointIndex> vertices, const Weights& weights, RestAxis& axis,
                               const std::int64_t* sum, const std::int32_t* beside, std::span<std::int32_t> u, Cursor& cursor) {
-  const Weights w = weights;
-  std::array<std::int32_t, kLeft> left{}; // deviations of the points to the left, the nearest first
+  std::array<std::int64_t, kLineWeights> w; // as wide as the sums: nothing is widened point by point
+  std::copy_n(weights.begin(), w.size(), w.begin());
+  std::array<std::int64_t, kLeft> weighed{}; // what the points to the left add to the next, the one after it, ...
   RunningMeans means;
   std::int32_t size1 = 0; // of the points to the left
   std::int32_t size2 = 0;
   std::int32_t size3 = 0;
   const auto move_on = [&](std::int32_t deviation, std::int32_t size) {
-    for (std::size_t k = kLeft; --k > 0;) left[k] = left[k - 1];
-    left[0] = deviation;
+    for (std::size_t k = 0; k + 1 < kLeft; ++k) weighed[k] = weighed[k + 1] + w[k] * deviation;
+    weighed[kLeft - 1] = w[kLeft - 1] * deviation;
     size3 = std::exchange(size2, std::exchange(size1, size));
   };
   const PointIndex last = run.first + run.count - 1;
@@ -40,10 +41,9 @@ std::size_t decode_fitted_run(const Run& run, std::span<const PointIndex> vertic
     for (++i; i < end; ++i) {
       const bool has_above = kAbove && beside != nullptr;
       const std::int32_t residual = cursor.next(rest_context(near, far, has_above ? beside[i] : 0, has_above));
-      std::int64_t weighed = (kAbove ? sum[i] : 0) + (std::int64_t{1} << (kWeightBits - 1)) +
-                             std::int64_t{w[kLeft]} * means.fast + std::int64_t{w[kLeft + 1]} * means.slow;
-      for (std::size_t k = kLeft; k-- > 0;) weighed += std::int64_t{w[k]} * left[k]; // the one that is known last comes last
-      const std::int32_t deviation = wrap((weighed >> kWeightBits) + residual);
+      const std::int64_t others =
+          (kAbove ? sum[i] : 0) + (std::int64_t{1} << (kWeightBits - 1)) + w[kLeft] * means.fast + w[kLeft + 1] * means.slow;
+      const std::int32_t deviation = wrap(((others + weighed[0]) >> kWeightBits) + residual); // what is known last comes last
       on_chord += chord.step;
       u[i] = wrap((on_chord >> Chord::kStepBits) + deviation);
       means.add(deviation);
