@@ -151,10 +151,10 @@ Classes classes_of(const TokenCounts& counts) noexcept {
     std::uint64_t least = std::uint64_t{step_bits[kMaxClass]} << kLogBits;
     if (t > 0) {
       least = kNever;
-      for (std::uint8_t b = 0; b < choices; ++b) {
+      for (std::size_t b = 0; b < choices; ++b) {
         const Choice& from = steps[t - 1][b];
         const std::uint64_t cost = from.cost + (std::uint64_t{step_bits[from.k]} << kLogBits);
-        choice.before = cost < least ? b : choice.before;
+        choice.before = cost < least ? static_cast<std::uint8_t>(b) : choice.before;
         least = std::min(least, cost);
       }
     }
