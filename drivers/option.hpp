@@ -39,6 +39,7 @@ struct Option {
   double max = std::numeric_limits<double>::infinity();
   Result<void> (*check)(std::string_view) = nullptr; ///< texts: the context of its error is the reason
   std::string_view example{};                        ///< as TOML, shown where there is no value
+  bool alternative = false; ///< instead of a row before it: an example of the whole table leaves it out
 };
 
 /// Values of one table, checked against its schema: every key with a default is present.

@@ -97,13 +97,14 @@ void print_device(const DeviceConfig& device, std::string& out) {
 }
 
 /// What a device of this driver would look like, as a comment.
-void print_example(const DriverInfo& info, std::string& out) {
+void print_example(const DriverInfo& info, std::size_t number, std::string& out) {
   out.append("# ").append(info.name).append(": ").append(info.meaning).append(".\n#[[device]]\n");
   const auto& common = device_section().options;
   const OptionValue driver = std::string(info.name);
-  print_key(common[0], nullptr, "#", out);
+  const OptionValue name = "table-" + std::to_string(number);
+  print_key(common[0], &name, "#", out);
   print_key(common[1], &driver, "#", out);
-  for (const Option& option : info.options) print_key(option, nullptr, "#", out);
+  for (const Option& option : info.options) print_key(option, nullptr, option.alternative ? "##" : "#", out);
   out += '\n';
 }
 
@@ -118,7 +119,8 @@ std::string print_config(const Config& config) {
   for (const DeviceConfig& device : config.devices) print_device(device, out);
   if (config.devices.empty()) {
     out += "# There is none yet; a device of each driver looks like this:\n\n";
-    for (const DriverInfo* info : drivers()) print_example(*info, out);
+    std::size_t number = 0;
+    for (const DriverInfo* info : drivers()) print_example(*info, ++number, out);
   }
   out.pop_back();
   return out;

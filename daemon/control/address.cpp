@@ -8,11 +8,6 @@
 
 namespace scansion {
 
-void UniqueFd::reset(int fd) noexcept {
-  if (fd_ >= 0) ::close(fd_);
-  fd_ = fd;
-}
-
 Result<std::string> default_socket_path() {
   if (const char* directories = std::getenv("RUNTIME_DIRECTORY"); directories != nullptr && *directories == '/') {
     const std::string_view first(directories, std::strcspn(directories, ":")); // systemd lists several with colons

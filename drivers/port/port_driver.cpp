@@ -27,7 +27,10 @@ Result<DeviceFacts> PortDriver::start() {
 }
 
 void PortDriver::close() noexcept {
-  if (std::exchange(is_open_, false)) farewell();
+  if (std::exchange(is_open_, false)) {
+    closing();
+    farewell();
+  }
   transport_->close();
   if (line_at_) last_line_ = std::exchange(line_at_, std::nullopt);
 }
@@ -44,8 +47,7 @@ Result<void> PortDriver::fill(std::int64_t deadline_ns) {
 }
 
 Decoder::Step PortDriver::decode(LineBuffer& line, Gap& gap) {
-  const Decoder::Step step =
-      decoder().decode(std::span(read_).subspan(begin_, end_ - begin_), arrived_, line, gap);
+  const Decoder::Step step = decoder().decode(std::span(read_).subspan(begin_, end_ - begin_), arrived_, line, gap);
   begin_ += step.used;
   return step;
 }

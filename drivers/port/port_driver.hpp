@@ -30,14 +30,14 @@ protected:
   [[nodiscard]] virtual Result<DeviceFacts> handshake() = 0;
   /// Looks after a running device: called when there is nothing to decode, before waiting. May send. Returns when it wants to
   /// be called again at the latest (monotonic ns). An error ends the run.
-  [[nodiscard]] virtual Result<std::int64_t> attend(const Moment& now) {
-    return now.monotonic_ns + kPatienceNs;
-  }
+  [[nodiscard]] virtual Result<std::int64_t> attend(const Moment& now) { return now.monotonic_ns + kPatienceNs; }
   /// The decoder gave a reply while lines were awaited.
   [[nodiscard]] virtual Result<void> on_reply(const Moment& /*at*/) { return success(); }
   /// Leaves the device in a safe state (laser off). Called once before an open port is closed, also after an error; must not
   /// take longer than a few 100 ms.
   virtual void farewell() noexcept {}
+  /// The port is about to be closed, lost or not: the place to keep what lost_between() needs.
+  virtual void closing() noexcept {}
   /// What was lost between the last line before the device went away and the first one after. Empty: nothing. The default: an
   /// unknown number of lines.
   [[nodiscard]] virtual std::optional<Gap> lost_between(const LineBuffer& /*first*/, const Moment& last_line,
@@ -53,6 +53,8 @@ protected:
   [[nodiscard]] Moment now() const noexcept { return transport_->now(); }
   [[nodiscard]] const std::string& port_name() const noexcept { return transport_->name(); }
   [[nodiscard]] bool is_live() const noexcept { return transport_->is_live(); }
+  /// When the bytes came that are being decoded. Unlike now() it is the same when a transcript is played.
+  [[nodiscard]] const Moment& arrived() const noexcept { return arrived_; }
   [[nodiscard]] LinkCounters& counters() noexcept { return *counters_; }
   /// When the last byte of the newest line came; empty before the first line of this run.
   [[nodiscard]] const std::optional<Moment>& line_at() const noexcept { return line_at_; }

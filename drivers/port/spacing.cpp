@@ -8,7 +8,7 @@ std::span<const Option> spacing_rows() noexcept {
   static const Option rows[] = {
       {.key = "spacing",
        .type = OptionType::number,
-       .meaning = "mm from line to line (1 when neither speed nor encoder says it)",
+       .meaning = "mm from line to line; without any other word about it 1",
        .min = -1e6,
        .max = 1e6,
        .example = "0.5"},
@@ -17,13 +17,15 @@ std::span<const Option> spacing_rows() noexcept {
        .meaning = "mm/s at which sensor or part moves; lines stand where the device's clock puts them",
        .min = -1e6,
        .max = 1e6,
-       .example = "25.0"},
+       .example = "25.0",
+       .alternative = true},
       {.key = "encoder",
        .type = OptionType::number,
        .meaning = "mm for each count of the device's encoder",
        .min = -1e6,
        .max = 1e6,
-       .example = "0.01"},
+       .example = "0.01",
+       .alternative = true},
   };
   return rows;
 }

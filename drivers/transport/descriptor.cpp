@@ -27,11 +27,6 @@ bool is_hang_up(short events) noexcept {
 
 } // namespace
 
-void UniqueFd::reset(int fd) noexcept {
-  if (fd_ >= 0) ::close(fd_);
-  fd_ = fd;
-}
-
 Moment machine_moment() noexcept {
   return {clock_ns(CLOCK_MONOTONIC), clock_ns(CLOCK_REALTIME)};
 }

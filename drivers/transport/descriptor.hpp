@@ -3,29 +3,9 @@
 #pragma once
 
 #include "drivers/transport/transport.hpp"
+#include "drivers/transport/unique_fd.hpp"
 
 namespace scansion {
-
-/// A descriptor, closed with its owner. Move only.
-class UniqueFd {
-public:
-  UniqueFd() = default;
-  explicit UniqueFd(int fd) noexcept : fd_(fd) {}
-  UniqueFd(UniqueFd&& other) noexcept : fd_(other.release()) {}
-  UniqueFd& operator=(UniqueFd&& other) noexcept {
-    reset(other.release());
-    return *this;
-  }
-  ~UniqueFd() { reset(); }
-
-  [[nodiscard]] int get() const noexcept { return fd_; }
-  [[nodiscard]] explicit operator bool() const noexcept { return fd_ >= 0; }
-  [[nodiscard]] int release() noexcept { return std::exchange(fd_, -1); }
-  void reset(int fd = -1) noexcept;
-
-private:
-  int fd_ = -1;
-};
 
 /// Both clocks of the machine.
 [[nodiscard]] Moment machine_moment() noexcept;

@@ -40,11 +40,13 @@ std::string choices(const TransportKinds& kinds) {
 
 std::vector<Option> with_transport(std::span<const Option> own, const TransportKinds& kinds) {
   std::vector<Option> rows(own.begin(), own.end());
+  bool has_way = false; // the first way to reach the device is the example, the others stand beside it
   if (kinds.serial) {
     rows.push_back({.key = "port",
                     .meaning = "serial port; /dev/serial/by-id names stay the same, see `scansion devices`",
                     .check = check_path,
-                    .example = "\"/dev/serial/by-id/...\""});
+                    .example = "\"/dev/serial/by-id/...\"",
+                    .alternative = std::exchange(has_way, true)});
     rows.push_back({.key = "baud",
                     .type = OptionType::integer,
                     .standard = kinds.baud,
@@ -53,27 +55,36 @@ std::vector<Option> with_transport(std::span<const Option> own, const TransportK
                     .max = 20e6});
   }
   if (kinds.tcp) {
-    rows.push_back(
-        {.key = "tcp", .meaning = "host:port the device listens on", .check = check_remote, .example = "\"192.168.0.10:10940\""});
+    rows.push_back({.key = "tcp",
+                    .meaning = "host:port the device listens on",
+                    .check = check_remote,
+                    .example = "\"192.168.0.10:10940\"",
+                    .alternative = std::exchange(has_way, true)});
   }
   if (kinds.udp) {
     rows.push_back({.key = "udp",
                     .meaning = "address:port to receive datagrams on, :port for any address",
                     .check = check_local,
-                    .example = "\":5000\""});
+                    .example = "\":5000\"",
+                    .alternative = std::exchange(has_way, true)});
   }
   if (kinds.file) {
-    rows.push_back(
-        {.key = "file", .meaning = "file or FIFO to read the device's bytes from", .check = check_path, .example = "\"/run/digitizer\""});
+    rows.push_back({.key = "file",
+                    .meaning = "file or FIFO to read the device's bytes from",
+                    .check = check_path,
+                    .example = "\"/run/digitizer\"",
+                    .alternative = std::exchange(has_way, true)});
   }
   rows.push_back({.key = "transcript",
                   .meaning = "raw transcript to play instead of a device; it gives the recording that the device gave",
                   .check = check_path,
-                  .example = "\"/var/lib/scansion/table-1.raw\""});
+                  .example = "\"/var/lib/scansion/table-1.raw\"",
+                  .alternative = true});
   rows.push_back({.key = "raw",
                   .meaning = "file to which all bytes from and to the device are written with their times; grows without bound",
                   .check = check_path,
-                  .example = "\"/var/lib/scansion/table-1.raw\""});
+                  .example = "\"/var/lib/scansion/table-1.raw\"",
+                  .alternative = true});
   return rows;
 }
 
@@ -109,7 +120,8 @@ Result<std::unique_ptr<Transport>> make_transport(const OptionValues& values, co
     return success();
   }));
   if (given != 1) {
-    return fail(Errc::config, given == 0 ? "how to reach the device is missing" : "more than one way to reach the device is given",
+    return fail(Errc::config,
+                given == 0 ? "how to reach the device is missing" : "more than one way to reach the device is given",
                 "; give exactly one of ", choices(kinds));
   }
   return std::unique_ptr<Transport>(std::make_unique<RawTap>(std::move(inner), std::move(ring), values.text("raw")));

@@ -11,8 +11,8 @@
 namespace scansion {
 namespace {
 
-/// A driver that has something to send does so within this time.
-constexpr std::int64_t kLongestWaitNs = 10'000'000'000;
+/// A played driver's timers may run this much later than then: its time stands still between events.
+constexpr std::int64_t kSlackNs = 50'000'000;
 
 class TranscriptTransport final : public Transport {
 public:
@@ -50,8 +50,13 @@ public:
       }
     }
     if (!event_ || event_->kind == RawEvent::Kind::closed || event_->kind == RawEvent::Kind::opened) return stop();
-    now_ = shifted(std::max(deadline_ns, now_.monotonic_ns)); // the device waited for the driver
-    if (now_.monotonic_ns <= event_->at.monotonic_ns + kLongestWaitNs) return Arrival{0, now_, false};
+    // The device waited for the driver, which sent this at its time at the latest.
+    const std::int64_t latest_ns = event_->at.monotonic_ns + kSlackNs;
+    if (now_.monotonic_ns < latest_ns) {
+      now_ = shifted(std::min(std::max(deadline_ns, now_.monotonic_ns), latest_ns));
+      return Arrival{0, now_, false};
+    }
+    if (!std::exchange(is_offered_, true)) return Arrival{0, now_, false};
     // The driver sends nothing by itself here: then it was told to stop, and this is its farewell.
     while (event_ && event_->kind != RawEvent::Kind::closed && event_->kind != RawEvent::Kind::opened) {
       SCANSION_TRY(advance());
@@ -87,6 +92,7 @@ private:
   /// To the next event; none at the end of the file.
   Result<void> advance() {
     taken_ = 0;
+    is_offered_ = false;
     while (std::getline(file_, text_)) {
       ++line_;
       if (text_.empty() || text_.front() == '#') continue;
@@ -145,6 +151,7 @@ private:
   std::optional<RawEvent> event_; ///< the next one
   std::size_t taken_ = 0;         ///< of its bytes
   Moment now_;
+  bool is_offered_ = false; ///< the driver could have sent what it sent then, and did not
   bool at_end_ = false;
 };
 

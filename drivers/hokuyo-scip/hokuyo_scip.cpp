@@ -1,0 +1,269 @@
+// Hokuyo line scanners: the handshake, the watch over a running sensor, the entry.
+// SPDX-License-Identifier: Apache-2.0
+#include "drivers/hokuyo-scip/scip_decoder.hpp"
+#include "drivers/hokuyo-scip/scip_options.hpp"
+#include "drivers/hokuyo-scip/scip_text.hpp"
+#include "drivers/port/port_driver.hpp"
+
+#include <cstdio>
+
+namespace scansion {
+namespace {
+
+using scip::Frame;
+
+constexpr std::int64_t kMs = 1'000'000;
+constexpr std::int64_t kRetryNs = 500 * kMs;    ///< a QT is sometimes passed over
+constexpr std::int64_t kStopNs = 2'000 * kMs;   ///< for the echo of QT
+constexpr std::int64_t kAnswerNs = 1'000 * kMs; ///< for that of anything else
+constexpr std::int64_t kFarewellNs = 300 * kMs; ///< for QT when leaving
+constexpr int kMostProbes = 3;                  ///< unanswered: the sensor is gone
+constexpr std::int64_t kIdleNs = 10'000 * kMs;  ///< answers, but measures nothing: it is started anew
+constexpr int kClockReadings = 5;
+
+std::string number(std::int32_t value, int width) {
+  char text[16];
+  std::snprintf(text, sizeof text, "%0*d", width, value);
+  return text;
+}
+
+class HokuyoScip final : public PortDriver {
+public:
+  HokuyoScip(scip::Options options, std::unique_ptr<Transport> transport, std::shared_ptr<RawRing> ring)
+      : PortDriver(std::move(transport), std::move(ring)), options_(std::move(options)), decoder_(counters()) {}
+
+private:
+  Decoder& decoder() noexcept override { return decoder_; }
+
+  Result<DeviceFacts> handshake() override {
+    SCANSION_TRY(stop_measuring());
+    SCANSION_TRY(ask("VV")); // a person finds it in the transcript
+    SCANSION_TRY(ask("PP"));
+    SCANSION_TRY(sensor, named(scip::read_sensor(decoder_.reply().body)));
+    sensor_ = sensor;
+    SCANSION_TRY(ask("II"));
+    SCANSION_TRY(read_clock());
+    SCANSION_TRY(light());
+    SCANSION_TRY(measure());
+    DeviceFacts facts;
+    facts.lattice = scip::ScanGeometry::lattice(options_.height_mm);
+    facts.gap_mm = options_.gap_mm;
+    facts.rounding_mm = 0.5 / scip::kCountsPerMm;
+    return facts;
+  }
+
+  template <class T>
+  Result<T> named(Result<T> result) const {
+    if (result) return result;
+    return make_error(result.assume_error().code, {port_name(), ": ", result.assume_error().context});
+  }
+
+  /// Never waits for silence: a sensor whose host died goes on measuring.
+  Result<void> stop_measuring() {
+    SCANSION_TRY(send("\nQT\n"));
+    const std::int64_t deadline = now().monotonic_ns + kStopNs;
+    std::int64_t retry = now().monotonic_ns + kRetryNs;
+    for (;;) {
+      SCANSION_TRY(answered, await_reply(std::min(retry, deadline)));
+      if (answered) {
+        const Frame& frame = decoder_.reply();
+        if (frame.echo != "QT" && frame.echo != "TM2" && frame.echo != "SCIP2.0") continue;
+        if (frame.echo == "QT" && frame.status == "00") return success();
+        if (frame.status == "E") { // SCIP 1.1
+          SCANSION_TRY(send("SCIP2.0\n"));
+        } else if (frame.echo == "QT") { // in clock mode
+          SCANSION_TRY(send("TM2\n"));
+        } else {
+          SCANSION_TRY(send("QT\n"));
+        }
+        continue;
+      }
+      if (now().monotonic_ns >= deadline) {
+        return fail(Errc::unavailable, port_name(), ": no answer to QT; is it a SCIP 2 sensor, and the bit rate right?");
+      }
+      retry = now().monotonic_ns + kRetryNs;
+      SCANSION_TRY(send("QT\n"));
+    }
+  }
+
+  /// Sends a command and waits for the reply with its echo, which is then decoder_.reply(). Refusals are replies too.
+  Result<void> exchange(std::string_view command) {
+    for (int attempt = 0; attempt < 2; ++attempt) {
+      SCANSION_TRY(send(std::string(command) + "\n"));
+      const std::int64_t deadline = now().monotonic_ns + kAnswerNs;
+      for (;;) {
+        SCANSION_TRY(answered, await_reply(deadline));
+        if (!answered) break;
+        if (decoder_.reply().echo == command) return success();
+      }
+    }
+    return fail(Errc::unavailable, port_name(), ": no answer to ", command);
+  }
+
+  Result<void> ask(std::string_view command) {
+    SCANSION_TRY(exchange(command));
+    if (decoder_.reply().status == "00") return success();
+    return fail(Errc::unavailable, port_name(), ": the sensor refuses ", command, " with status ", decoder_.reply().status);
+  }
+
+  /// Where the sensor's clock stands, from the quickest of some exchanges. Sensors without clock mode do without.
+  Result<void> read_clock() {
+    clock_offset_ms_.reset();
+    SCANSION_TRY(exchange("TM0"));
+    if (decoder_.reply().status != "00" && decoder_.reply().status != "02") return success();
+    std::int64_t quickest = kAnswerNs;
+    for (int i = 0; i < kClockReadings; ++i) {
+      const std::int64_t asked = arrived().monotonic_ns;
+      SCANSION_TRY(exchange("TM1"));
+      std::string_view body = decoder_.reply().body;
+      const auto text = scip::take_summed(body);
+      const auto clock = text && text->size() == 4 ? scip::decode_number(*text) : std::nullopt;
+      const std::int64_t round_trip = arrived().monotonic_ns - asked;
+      if (!clock || round_trip >= quickest) continue;
+      quickest = round_trip;
+      clock_offset_ms_ = (asked + round_trip / 2) / kMs - *clock;
+    }
+    return exchange("TM2");
+  }
+
+  /// A cold laser is no error of the configuration: the session tries again.
+  Result<void> light() {
+    SCANSION_TRY(exchange("BM"));
+    const std::string_view status = decoder_.reply().status;
+    if (status == "00" || status == "02") return success();
+    if (status == "01" || status == "0M" || status == "0L") {
+      return fail(Errc::unavailable, port_name(), ": the laser cannot be lit yet (warming up, or a fault)");
+    }
+    return fail(Errc::unavailable, port_name(), ": the sensor refuses to light its laser, status ", status);
+  }
+
+  Result<void> measure() {
+    ScipDecoder::Expected expected;
+    scip::ScanPlan& plan = expected.plan;
+    plan = {options_.kind, options_.start.value_or(sensor_.first), options_.end.value_or(sensor_.last), options_.cluster,
+            options_.skip};
+    if (plan.start < sensor_.first || plan.end > sensor_.last || plan.end < plan.start) {
+      return fail(Errc::config, port_name(), ": start and end must lie from ", std::to_string(sensor_.first), " to ",
+                  std::to_string(sensor_.last), ", the steps of this ", sensor_.model);
+    }
+    expected.sensor = sensor_;
+    expected.spacing = options_.spacing;
+    expected.gap_mm = options_.gap_mm;
+    expected.head = std::string("M") + plan.kind + number(plan.start, 4) + number(plan.end, 4) +
+                    number(plan.cluster == 1 ? 0 : plan.cluster, 2) + number(plan.skip, 1);
+    // No other session has this tag; made of recorded time, so that a transcript has it too.
+    char tag[16];
+    std::snprintf(tag, sizeof tag, ";s%08llx", static_cast<unsigned long long>(arrived().monotonic_ns / 1000) & 0xFFFF'FFFFULL);
+    expected.tail = tag;
+    const std::string request = expected.head + "00" + expected.tail;
+    period_ns_ = plan.period_ns(sensor_);
+    decoder_.expect(std::move(expected));
+    SCANSION_TRY(send(request + "\n"));
+    const std::int64_t deadline = now().monotonic_ns + kAnswerNs;
+    for (;;) {
+      SCANSION_TRY(answered, await_reply(deadline));
+      if (!answered) return fail(Errc::unavailable, port_name(), ": no answer to ", request);
+      if (decoder_.reply().echo == request) break;
+    }
+    if (decoder_.reply().status != "00") {
+      return fail(Errc::unavailable, port_name(), ": the sensor refuses ", request, " with status ", decoder_.reply().status);
+    }
+    heard_ns_ = arrived().monotonic_ns;
+    probes_ = 0;
+    return success();
+  }
+
+  /// Three periods and a little without a scan: ask; three questions without an answer: gone.
+  Result<std::int64_t> attend(const Moment& moment) override {
+    const std::int64_t line_ns = line_at() ? line_at()->monotonic_ns : 0;
+    if (line_ns > heard_ns_) {
+      heard_ns_ = line_ns;
+      probes_ = 0;
+    }
+    if (probes_ == 0) started_waiting_ns_ = heard_ns_;
+    const std::int64_t patience = probes_ == 0 ? 3 * period_ns_ + 200 * kMs : kAnswerNs;
+    const std::int64_t due = (probes_ == 0 ? heard_ns_ : asked_ns_) + patience;
+    if (moment.monotonic_ns < due) return due;
+    if (unanswered_ >= kMostProbes) return fail(Errc::unavailable, port_name(), ": lost, the sensor is silent");
+    if (moment.monotonic_ns - started_waiting_ns_ > kIdleNs) {
+      return fail(Errc::unavailable, port_name(), ": the sensor answers but measures nothing; starting it anew");
+    }
+    SCANSION_TRY(send("II\n"));
+    ++probes_;
+    ++unanswered_;
+    asked_ns_ = moment.monotonic_ns;
+    return asked_ns_ + kAnswerNs;
+  }
+
+  Result<void> on_reply(const Moment& at) override {
+    const Frame& frame = decoder_.reply();
+    unanswered_ = 0;
+    if (!decoder_.is_expected(frame.echo)) return success();
+    // Behind the reply to the request only scans or news about them come under its echo.
+    heard_ns_ = at.monotonic_ns;
+    probes_ = 0;
+    const bool is_fault = frame.status >= "50" && frame.status <= "97" && frame.status[0] >= '5' && frame.status[0] <= '9';
+    if (is_fault) return fail(Errc::unavailable, port_name(), ": the sensor stopped with hardware fault ", frame.status);
+    return success();
+  }
+
+  /// Laser off, on every way out.
+  void farewell() noexcept override {
+    if (!send("QT\n")) return;
+    const std::int64_t deadline = now().monotonic_ns + kFarewellNs;
+    for (;;) {
+      auto answered = await_reply(deadline);
+      if (!answered || !answered.assume_value() || decoder_.reply().echo == "QT") return;
+    }
+  }
+
+  std::optional<Gap> lost_between(const LineBuffer& first, const Moment& last_line, const Moment& first_line) override {
+    const std::int64_t host_ns = first_line.monotonic_ns - last_line.monotonic_ns;
+    std::int64_t away_ns = host_ns;
+    // A sensor that kept its clock counts better than the host.
+    if (clock_offset_ms_ && last_offset_ms_ && std::abs(*clock_offset_ms_ - *last_offset_ms_) < 1000) {
+      const std::int64_t device_ns = *first.stamps.device_ns - last_clock_ms_ * kMs;
+      if (std::abs(device_ns - host_ns) < 1'000 * kMs) away_ns = device_ns;
+    }
+    const std::int64_t scans = (away_ns + period_ns_ / 2) / period_ns_;
+    if (scans <= 1) return std::nullopt;
+    Gap gap;
+    gap.count = static_cast<std::uint64_t>(scans - 1);
+    gap.reason = "the sensor was away";
+    return gap;
+  }
+
+  void closing() noexcept override {
+    last_offset_ms_ = clock_offset_ms_;
+    last_clock_ms_ = decoder_.clock_ms();
+  }
+
+  const scip::Options options_;
+  ScipDecoder decoder_;
+  scip::Sensor sensor_;
+  std::int64_t period_ns_ = 25 * kMs;
+  std::int64_t heard_ns_ = 0;           ///< when the sensor last showed that it measures
+  std::int64_t started_waiting_ns_ = 0; ///< for the next scan
+  std::int64_t asked_ns_ = 0;
+  int probes_ = 0;                                               ///< since the last scan
+  int unanswered_ = 0;                                           ///< of these, in a row
+  std::optional<std::int64_t> clock_offset_ms_, last_offset_ms_; ///< host less sensor; in the run before
+  std::int64_t last_clock_ms_ = 0;
+};
+
+Result<std::unique_ptr<Driver>> make(const OptionValues& values) {
+  SCANSION_TRY(options, scip::read_options(values));
+  auto ring = std::make_shared<RawRing>();
+  SCANSION_TRY(transport, make_transport(values, scip::kScipKinds, ring));
+  return std::unique_ptr<Driver>(std::make_unique<HokuyoScip>(std::move(options), std::move(transport), std::move(ring)));
+}
+
+} // namespace
+
+const DriverInfo& hokuyo_scip_driver() noexcept;
+const DriverInfo& hokuyo_scip_driver() noexcept {
+  static const DriverInfo info{"hokuyo-scip", "Hokuyo line scanners that speak SCIP 2", scip::schema(), make};
+  return info;
+}
+
+} // namespace scansion
