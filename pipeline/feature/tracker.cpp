@@ -155,6 +155,7 @@ void Tracker::bear(const Profile& profile, std::int64_t step, const std::vector<
     if (near) continue;
     Track track;
     track.id = next_id_++;
+    track.ends = FeatureEnd::open;
     track.points.push_back(track_point(profile, step, points[i]));
     track.means.start(points[i]);
     live_.push_back(std::move(track));

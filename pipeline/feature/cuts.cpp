@@ -1,0 +1,134 @@
+// From tracks to cut samples.
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/feature/cuts.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace scansion {
+
+namespace {
+
+constexpr double kReach = 4.0;    // coarse steps: how far an end looks for another line, and how far it is made longer
+constexpr double kJoined = 2.0;   // how far beyond, once it found one
+constexpr double kSideways = 1.6; // the cost of not going straight on
+
+BorderKind kind_of(const FeaturePoint& f) {
+  if (f.step) return BorderKind::step;
+  return f.convex() ? BorderKind::convex : BorderKind::concave;
+}
+
+// A smooth crest lies inside a patch; of a step's edges, which coincide in plan, one is enough.
+bool cuts(const TrackPoint& p) {
+  return p.verdict == Verdict::kept && !p.feature.smooth && !(p.feature.step && !p.feature.convex());
+}
+
+} // namespace
+
+void Cuts::add(double s0, double c0, double s1, double c1, BorderKind kind, bool backed, std::uint64_t track) {
+  if (c1 < c0) {
+    std::swap(s0, s1);
+    std::swap(c0, c1);
+  }
+  segments_.push_back({{s0, c0, s1, c1, kind, backed}, track});
+}
+
+void Cuts::take_track(const Track& track, double settled) {
+  const std::uint64_t id = track.id | (track.pass == Pass::crosswise ? Track::kCrosswiseBit : 0U);
+  const std::size_t n = track.points.size();
+  const bool grows = track.pass == Pass::lengthwise && track.ends == FeatureEnd::open;
+  for (std::size_t i = 0; i < n; ++i) {
+    const TrackPoint& p = track.points[i];
+    if (!cuts(p)) continue;
+    const double s = track.s_of(p), c = track.c_of(p);
+    if (i + 1 < n && cuts(track.points[i + 1])) {
+      const TrackPoint& q = track.points[i + 1];
+      const double later = std::max(c, track.c_of(q));
+      if (later > taken_ && later <= settled) add(s, c, track.s_of(q), track.c_of(q), kind_of(p.feature), true, id);
+    }
+    if (c <= taken_ || c > settled) continue;
+    const auto push_end = [&](bool back) {
+      const std::size_t inner = back ? (i >= 4 ? i - 4 : 0) : std::min(n - 1, i + 4);
+      const double ds = s - track.s_of(track.points[inner]), dc = c - track.c_of(track.points[inner]);
+      const double length = std::hypot(ds, dc);
+      if (length > 0.0) ends_.push_back({s, c, ds / length, dc / length, kind_of(p.feature), id});
+    };
+    if (i == 0 || !cuts(track.points[i - 1])) push_end(false);
+    if (i + 1 == n ? !grows : !cuts(track.points[i + 1])) push_end(true);
+  }
+}
+
+void Cuts::extend(const End& end, const Sampling& sampling) {
+  const double u = sampling.coarse(), reach = kReach * u;
+  double best = std::numeric_limits<double>::infinity(), best_s = 0.0, best_c = 0.0;
+  for (const Owned& owned : segments_) {
+    if (owned.track == end.track || !owned.segment.backed) continue;
+    const CutSegment& g = owned.segment;
+    if (g.c1 < end.c - reach || g.c0 > end.c + reach || std::max(g.s0, g.s1) < end.s - reach ||
+        std::min(g.s0, g.s1) > end.s + reach)
+      continue;
+    // The nearest place of the segment.
+    const double ls = g.s1 - g.s0, lc = g.c1 - g.c0;
+    const double square = ls * ls + lc * lc;
+    const double t = square > 0.0 ? std::clamp(((end.s - g.s0) * ls + (end.c - g.c0) * lc) / square, 0.0, 1.0) : 0.0;
+    const double s = g.s0 + t * ls, c = g.c0 + t * lc;
+    const double gap = std::hypot(s - end.s, c - end.c);
+    if (gap > reach) continue;
+    const double ahead = (s - end.s) * end.ds + (c - end.c) * end.dc;
+    if (gap > 0.5 * u && ahead < 0.0) continue;
+    const double cost = gap * (ahead > 0.7 * gap ? 1.0 : kSideways);
+    if (cost < best) {
+      best = cost;
+      best_s = s;
+      best_c = c;
+    }
+  }
+  const bool joined = best < std::numeric_limits<double>::infinity();
+  if (joined) add(end.s, end.c, best_s, best_c, end.kind, false, end.track);
+  const double on = (joined ? kJoined : kReach) * u;
+  add(end.s, end.c, end.s + on * end.ds, end.c + on * end.dc, end.kind, false, end.track);
+}
+
+void Cuts::take(std::span<Track* const> tracks, double settled, const Sampling& sampling) {
+  for (const Track* track : tracks)
+    if (!track->points.empty()) take_track(*track, settled);
+  taken_ = settled;
+  const double known = settled - kReach * sampling.coarse();
+  const auto ready = std::stable_partition(ends_.begin(), ends_.end(), [&](const End& e) { return e.c > known; });
+  for (auto it = ready; it != ends_.end(); ++it) extend(*it, sampling);
+  ends_.erase(ready, ends_.end());
+}
+
+double Cuts::complete(double settled, const Sampling& sampling) const noexcept {
+  return settled - 2.0 * kReach * sampling.coarse() - sampling.spacing;
+}
+
+void Cuts::at(double last_c, double c, double pitch, std::vector<Cut>& in_line, std::vector<Cut>& across) {
+  in_line.clear();
+  across.clear();
+  for (const Owned& owned : segments_) {
+    const CutSegment& g = owned.segment;
+    if (g.c0 > c || g.c1 < last_c) continue;
+    const double run = g.c1 - g.c0;
+    const auto place = [&](double at) { return run > 0.0 ? g.s0 + (g.s1 - g.s0) * (at - g.c0) / run : g.s0; };
+    if (g.c0 <= c && c < g.c1) in_line.push_back({place(c), 0, g.kind, g.backed});
+    // The part between the lines, without its lower end.
+    const double low = std::max(g.c0, last_c), high = std::min(g.c1, c);
+    double from = run > 0.0 ? place(low) : g.s0, to = run > 0.0 ? place(high) : g.s1;
+    if (run <= 0.0 && !(g.c0 > last_c && g.c0 <= c)) continue;
+    if (to < from) std::swap(from, to);
+    for (auto j = static_cast<std::int64_t>(std::ceil(from / pitch)); static_cast<double>(j) * pitch <= to; ++j)
+      across.push_back({static_cast<double>(j) * pitch, j, g.kind, g.backed});
+  }
+  // Nothing is asked for below c again; ends still look a little behind them.
+  std::erase_if(segments_, [&](const Owned& o) { return o.segment.c1 < last_c; });
+  std::sort(in_line.begin(), in_line.end(), [](const Cut& a, const Cut& b) { return a.s < b.s; });
+  std::sort(across.begin(), across.end(),
+            [](const Cut& a, const Cut& b) { return a.column != b.column ? a.column < b.column : a.backed > b.backed; });
+  across.erase(std::unique(across.begin(), across.end(), [](const Cut& a, const Cut& b) { return a.column == b.column; }),
+               across.end());
+}
+
+} // namespace scansion

@@ -1,0 +1,63 @@
+// Feature lines as cuts between samples: what bounds patches (docs/FEATURES.md, "Patches").
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "pipeline/feature/sampling.hpp"
+#include "pipeline/feature/track.hpp"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace scansion {
+
+/// What a border between two patches is.
+enum class BorderKind : std::uint8_t { convex, concave, step, none };
+
+/// A straight piece of a cut in plan, mm.
+struct CutSegment {
+  double s0 = 0.0, c0 = 0.0, s1 = 0.0, c1 = 0.0; ///< c0 <= c1
+  BorderKind kind = BorderKind::convex;
+  bool backed = true; ///< by points of a feature line; false: an end made longer
+};
+
+/// A cut of one scan line, or of the way from one line to the next in one column.
+struct Cut {
+  double s = 0.0;
+  std::int64_t column = 0;
+  BorderKind kind = BorderKind::convex;
+  bool backed = true;
+};
+
+/// Thread-bound.
+class Cuts {
+public:
+  /// Takes the kept stretches of tracks up to c = `settled`, each piece once; ends are made longer when what is near them is
+  /// known too. Call with the same tracks as Union::decide, after it.
+  void take(std::span<Track* const> tracks, double settled, const Sampling& sampling);
+  /// Cuts are complete up to here.
+  [[nodiscard]] double complete(double settled, const Sampling& sampling) const noexcept;
+  /// The cuts of the line at c, and of the columns (at multiples of `pitch`) between `last_c` and c, in order of place. Lines
+  /// must be asked for in ascending c.
+  void at(double last_c, double c, double pitch, std::vector<Cut>& in_line, std::vector<Cut>& across);
+
+private:
+  struct End {
+    double s = 0.0, c = 0.0, ds = 0.0, dc = 0.0; // outwards
+    BorderKind kind = BorderKind::convex;
+    std::uint64_t track = 0;
+  };
+  struct Owned {
+    CutSegment segment;
+    std::uint64_t track = 0;
+  };
+  void take_track(const Track& track, double settled);
+  void extend(const End& end, const Sampling& sampling);
+  void add(double s0, double c0, double s1, double c1, BorderKind kind, bool backed, std::uint64_t track);
+
+  double taken_ = -1e300;
+  std::vector<Owned> segments_; ///< not yet behind the lines asked for
+  std::vector<End> ends_;       ///< waiting for what is near them
+};
+
+} // namespace scansion

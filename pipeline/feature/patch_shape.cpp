@@ -1,0 +1,135 @@
+// Plane and quadric by normal equations about the middle of the patch.
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/feature/patch_shape.hpp"
+
+#include "pipeline/feature/feature_line.hpp"
+
+#include <cmath>
+
+namespace scansion {
+
+namespace {
+
+constexpr std::array<std::array<double, 5>, 5> kBinomial = {
+    {{1, 0, 0, 0, 0}, {1, 1, 0, 0, 0}, {1, 2, 1, 0, 0}, {1, 3, 3, 1, 0}, {1, 4, 6, 4, 1}}};
+
+double power(double base, std::size_t exponent) noexcept {
+  double out = 1.0;
+  for (std::size_t i = 0; i < exponent; ++i) out *= base;
+  return out;
+}
+
+using System = std::array<std::array<double, 7>, 6>;
+
+// Solves the first `n` equations in place, smallest pivots left out; the right side stands in column 6.
+std::array<double, 6> solve(System m, std::size_t n) {
+  std::array<double, 6> scale{};
+  for (std::size_t a = 0; a < n; ++a) scale[a] = m[a][a];
+  std::array<bool, 6> used{};
+  for (std::size_t a = 0; a < n; ++a) {
+    if (!(m[a][a] > 1e-9 * scale[a]) || scale[a] <= 0.0) continue;
+    used[a] = true;
+    for (std::size_t b = 0; b < n; ++b) {
+      if (b == a) continue;
+      const double f = m[b][a] / m[a][a];
+      for (std::size_t k = 0; k < 7; ++k) m[b][k] -= f * m[a][k];
+    }
+  }
+  std::array<double, 6> out{};
+  for (std::size_t a = 0; a < n; ++a) out[a] = used[a] ? m[a][6] / m[a][a] : 0.0;
+  return out;
+}
+
+} // namespace
+
+void PatchSums::add(std::span<const double> s, std::span<const double> w, double c) noexcept {
+  std::array<double, 5> ps{};
+  std::array<double, 3> pw{};
+  double ww = 0.0;
+  for (std::size_t k = 0; k < s.size(); ++k) {
+    const double x = s[k], y = w[k], square = x * x;
+    ps[1] += x;
+    ps[2] += square;
+    ps[3] += square * x;
+    ps[4] += square * square;
+    pw[0] += y;
+    pw[1] += y * x;
+    pw[2] += y * square;
+    ww += y * y;
+  }
+  ps[0] = static_cast<double>(s.size());
+  for (std::size_t i = 0; i < 5; ++i)
+    for (std::size_t j = 0; i + j < 5; ++j) s_[i][j] += ps[i] * power(c, j);
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; i + j < 3; ++j) w_[i][j] += pw[i] * power(c, j);
+  ww_ += ww;
+}
+
+void PatchSums::add(const PatchSums& other) noexcept {
+  for (std::size_t i = 0; i < 5; ++i)
+    for (std::size_t j = 0; i + j < 5; ++j) s_[i][j] += other.s_[i][j];
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; i + j < 3; ++j) w_[i][j] += other.w_[i][j];
+  ww_ += other.ww_;
+}
+
+double PatchSums::moment(std::size_t i, std::size_t j, double s0, double c0) const noexcept {
+  double sum = 0.0;
+  for (std::size_t a = 0; a <= i; ++a)
+    for (std::size_t b = 0; b <= j; ++b)
+      sum += kBinomial[i][a] * kBinomial[j][b] * power(-s0, i - a) * power(-c0, j - b) * s_[a][b];
+  return sum;
+}
+
+double PatchSums::lifted(std::size_t i, std::size_t j, double s0, double c0, double w0) const noexcept {
+  double sum = 0.0;
+  for (std::size_t a = 0; a <= i; ++a)
+    for (std::size_t b = 0; b <= j; ++b)
+      sum += kBinomial[i][a] * kBinomial[j][b] * power(-s0, i - a) * power(-c0, j - b) * (w_[a][b] - w0 * s_[a][b]);
+  return sum;
+}
+
+void PatchSums::describe(const Frame& frame, const Sampling& sampling, const Vector3& origin, Patch& out) const {
+  const double n = count();
+  const double s0 = s_[1][0] / n, c0 = s_[0][1] / n, w0 = w_[0][0] / n;
+  // Terms 1, s, c, ss, sc, cc about the middle.
+  constexpr std::array<std::array<std::size_t, 2>, 6> kTerms = {{{0, 0}, {1, 0}, {0, 1}, {2, 0}, {1, 1}, {0, 2}}};
+  System m{};
+  for (std::size_t a = 0; a < 6; ++a) {
+    for (std::size_t b = 0; b < 6; ++b) m[a][b] = moment(kTerms[a][0] + kTerms[b][0], kTerms[a][1] + kTerms[b][1], s0, c0);
+    m[a][6] = lifted(kTerms[a][0], kTerms[a][1], s0, c0, w0);
+  }
+  const double square = ww_ - n * w0 * w0;
+  const auto residual = [&](std::size_t terms) {
+    const auto x = solve(m, terms);
+    double left = square;
+    for (std::size_t a = 0; a < terms; ++a) left -= x[a] * m[a][6];
+    return std::sqrt(std::max(0.0, left) / n);
+  };
+  const auto plane = solve(m, 3);
+  const auto quadric = solve(m, 6);
+  out.plane_residual_mm = residual(3);
+  out.quadric_residual_mm = residual(6);
+  const double gs = plane[1], gc = plane[2];
+  const double steep = std::sqrt(1.0 + gs * gs + gc * gc);
+  out.samples = static_cast<std::uint64_t>(n);
+  out.area_mm2 = n * sampling.pitch * sampling.spacing * steep;
+  out.centroid = frame.position(s0, w0, c0);
+  out.normal = frame.position(-gs / steep, 1.0 / steep, -gc / steep);
+  for (std::size_t i = 0; i < 3; ++i) out.centroid[i] += origin[i];
+  constexpr double kClose = 2.0; // sigmas of noise
+  const double limit = std::max(kClose * sampling.noise, 0.003);
+  if (out.plane_residual_mm <= limit) {
+    out.shape = PatchShape::plane;
+    return;
+  }
+  // A cylinder bends one way only: one principal curvature of the quadric is small against the other.
+  const double a = quadric[3], b = quadric[4] / 2.0, c = quadric[5];
+  const double middle = (a + c) / 2.0, spread = std::hypot((a - c) / 2.0, b);
+  const double large = std::max(std::abs(middle + spread), std::abs(middle - spread));
+  const double small = std::min(std::abs(middle + spread), std::abs(middle - spread));
+  const bool cylinder = out.quadric_residual_mm <= 3.0 * limit && small < 0.15 * large;
+  out.shape = cylinder ? PatchShape::cylinder : PatchShape::free_form;
+}
+
+} // namespace scansion

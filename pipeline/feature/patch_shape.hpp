@@ -1,0 +1,36 @@
+// Sums over the samples of a patch: area, plane, quadric.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "pipeline/feature/feature_line.hpp"
+#include "pipeline/feature/frame.hpp"
+#include "pipeline/feature/sampling.hpp"
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+namespace scansion {
+
+/// Power sums of (s, c, w), mm. Adding runs and adding sums of other patches give the same.
+class PatchSums {
+public:
+  /// Samples of one scan line at c.
+  void add(std::span<const double> s, std::span<const double> w, double c) noexcept;
+  void add(const PatchSums& other) noexcept;
+  [[nodiscard]] double count() const noexcept { return s_[0][0]; }
+  /// Mean height.
+  [[nodiscard]] double height() const noexcept { return w_[0][0] / s_[0][0]; }
+  /// Fills shape, area, centroid, normal and residuals.
+  void describe(const Frame& frame, const Sampling& sampling, const Vector3& origin, Patch& out) const;
+
+private:
+  [[nodiscard]] double moment(std::size_t i, std::size_t j, double s0, double c0) const noexcept;
+  [[nodiscard]] double lifted(std::size_t i, std::size_t j, double s0, double c0, double w0) const noexcept;
+
+  std::array<std::array<double, 5>, 5> s_{}; // [i][j]: sum of s^i c^j, i + j <= 4
+  std::array<std::array<double, 3>, 3> w_{}; // sum of w s^i c^j, i + j <= 2
+  double ww_ = 0.0;
+};
+
+} // namespace scansion
