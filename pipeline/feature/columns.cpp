@@ -191,7 +191,8 @@ void Columns::measure_bend(std::int64_t r, std::size_t column, const Sampling& s
     w_.push_back(static_cast<double>(height) + base_);
   }
   if (k < 2 || k + 2 >= s_.size()) return;
-  const auto bend = find_bend({s_, w_}, k, 0, static_cast<std::uint32_t>(s_.size() - 1), scale);
+  const auto last = static_cast<std::uint32_t>(s_.size() - 1);
+  const auto bend = find_bend({s_, w_}, k, {0, last, 0, last}, scale);
   if (!bend) return;
   ColumnPoint point = column_point(r, column, make_point(*bend, 0, scale));
   point.feature.width = std::log2(std::max(1.0, std::abs(static_cast<double>(own)) * static_cast<double>(window_) *

@@ -42,13 +42,14 @@ FeaturePoint make_point(const Bend& bend, std::uint32_t k, const FitScale& scale
   return p;
 }
 
-void Detector::add_vertex(const Profile& profile, const Vertex& vertex, const Sampling& sampling, const FitScale& scale,
-                          double least) {
+void Detector::add_vertex(const Profile& profile, const Vertex& vertex, std::uint32_t first, std::uint32_t last,
+                          const Sampling& sampling, const FitScale& scale, double least) {
   constexpr double kSlope = 14.0, kTotal = 42.0; // degrees: of a smooth crest
+  constexpr double kRound = 0.5;                 // mm: a crest of this radius is smooth
   const Heights heights{profile.s, profile.w};
-  std::optional<Bend> bend = find_bend(heights, vertex.k, vertex.before, vertex.after, scale);
+  std::optional<Bend> bend = find_bend(heights, vertex.k, {vertex.before, vertex.after, first, last}, scale);
   bool smooth = false;
-  if (!bend || bend->sharpness < 0.0) {
+  if (!bend || bend->sharpness < 0.0 || bend->rounding > kRound) {
     const double before = angle(profile.s[vertex.k] - profile.s[vertex.before], profile.w[vertex.k] - profile.w[vertex.before]);
     const double after = angle(profile.s[vertex.after] - profile.s[vertex.k], profile.w[vertex.after] - profile.w[vertex.k]);
     const bool crest = before * after < 0.0 && std::min(std::abs(before), std::abs(after)) >= kSlope &&
@@ -80,6 +81,7 @@ void Detector::add_vertex(const Profile& profile, const Vertex& vertex, const Sa
 // A weaker bend within the window of a coarser one of its polarity is part of that one.
 void Detector::drop_parts(const Sampling& sampling) {
   constexpr double kWeaker = 1.4;
+  constexpr double kBeside = 2.0; // pitches: one edge, found twice
   dropped_.assign(found_.size(), false);
   for (std::size_t i = 0; i < found_.size(); ++i) {
     const FeaturePoint& coarse = found_[i];
@@ -87,8 +89,10 @@ void Detector::drop_parts(const Sampling& sampling) {
     const double reach = coarse.window * sampling.pitch;
     const auto check = [&](std::size_t j) {
       const FeaturePoint& fine = found_[j];
-      if (fine.step || fine.window >= coarse.window || fine.convex() != coarse.convex()) return;
-      if (std::abs(fine.tau) * kWeaker < std::abs(coarse.tau)) dropped_[j] = true;
+      if (fine.step || fine.convex() != coarse.convex()) return;
+      const bool beside = std::abs(fine.s - coarse.s) <= kBeside * sampling.pitch && std::abs(fine.tau) < std::abs(coarse.tau);
+      const bool part = fine.window < coarse.window && std::abs(fine.tau) * kWeaker < std::abs(coarse.tau);
+      if (beside || part) dropped_[j] = true;
     };
     for (std::size_t j = i; j-- > 0 && coarse.s - found_[j].s <= reach;) check(j);
     for (std::size_t j = i + 1; j < found_.size() && found_[j].s - coarse.s <= reach; ++j) check(j);
@@ -132,9 +136,9 @@ void Detector::detect(const Profile& profile, const Sampling& sampling, std::vec
   for (const Vertex& vertex : vertices_) {
     while (vertex.k >= profile.ends[run]) begin = profile.ends[run++];
     if (vertex.k < begin + kLineEnd || vertex.k + kLineEnd >= profile.ends[run]) continue;
-    while (wall < walls_.size() && walls_[wall].last + 1 < vertex.k) ++wall;
-    if (wall < walls_.size() && walls_[wall].step && vertex.k + 1 >= walls_[wall].first) continue;
-    add_vertex(profile, vertex, sampling, scale, least);
+    while (wall < walls_.size() && walls_[wall].high + 1 < vertex.k) ++wall;
+    if (wall < walls_.size() && walls_[wall].step && vertex.k + 1 >= walls_[wall].low) continue;
+    add_vertex(profile, vertex, begin, profile.ends[run] - 1, sampling, scale, least);
   }
   sort(out);
   std::swap(found_, out);

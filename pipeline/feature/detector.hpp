@@ -14,7 +14,8 @@ public:
   void detect(const Profile& profile, const Sampling& sampling, std::vector<FeaturePoint>& out);
 
 private:
-  void add_vertex(const Profile& profile, const Vertex& vertex, const Sampling& sampling, const FitScale& scale, double least);
+  void add_vertex(const Profile& profile, const Vertex& vertex, std::uint32_t first, std::uint32_t last,
+                  const Sampling& sampling, const FitScale& scale, double least);
   void drop_parts(const Sampling& sampling);
   void sort(std::vector<FeaturePoint>& out);
 

@@ -12,7 +12,20 @@ namespace scansion {
 
 namespace {
 
-constexpr std::size_t kFewestVertices = 5;
+// A feature line is published when it has so many vertices; more when it turns less.
+bool is_enough(const Curve& curve) {
+  constexpr std::size_t kStrong = 5, kFair = 10, kWeak = 20;
+  double turning = 0.0;
+  std::size_t guided = 0;
+  for (const CurvePoint& p : curve.points) {
+    turning += std::abs(p.feature.tau);
+    guided += p.feature.guided ? 1 : 0;
+  }
+  const auto n = curve.points.size();
+  turning /= static_cast<double>(n);
+  if (2 * guided > n) return false;
+  return n >= (turning < 20.0 ? kWeak : turning < 30.0 ? kFair : kStrong);
+}
 
 Vector3 origin_mm(const std::array<std::int64_t, 3>& origin, double resolution) {
   return {static_cast<double>(origin[0]) * resolution, static_cast<double>(origin[1]) * resolution,
@@ -96,7 +109,7 @@ void FeatureStage::Impl::process(const RawLine& line) {
 void FeatureStage::Impl::publish(FeatureReport& report) {
   const Sampling sampling = estimator.value();
   for (const Curve& curve : curves)
-    if (curve.points.size() >= kFewestVertices) report.lines.push_back(publisher.publish(curve, *frame, sampling, alpha));
+    if (is_enough(curve)) report.lines.push_back(publisher.publish(curve, *frame, sampling, alpha));
   curves.clear();
 }
 

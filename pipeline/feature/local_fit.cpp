@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/feature/local_fit.hpp"
 
+#include "pipeline/feature/flank.hpp"
+
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -165,10 +167,58 @@ Bend Window::measure(std::uint32_t window, const FitScale& scale) const {
   const double floor = scale.noise / 2.0 + 0.0005; // mm
   const double least = (all.n - 3.0) * floor * floor;
   const double corner = broken_error(h_, l_, r_, bend.s, bend.w);
+  bend.misfit = corner / std::max(1.0, all.n - 4.0) / (scale.noise * scale.noise + 2.5e-7);
   bend.sharpness = 0.5 * all.n * std::log(std::max(arc.error, least) / std::max(corner, least)) - 1.0;
   const double slope = arc.slope;
   bend.radius = std::pow(1.0 + slope * slope, 1.5) / std::max(2.0 * std::abs(arc.curvature), 1e-12);
   return bend;
+}
+
+// Sum of squares of the best parabola over samples [l, r].
+double arc_error(const Heights& h, std::uint32_t l, std::uint32_t r) noexcept {
+  Moments m;
+  const std::uint32_t k = (l + r) / 2;
+  for (std::uint32_t j = l; j <= r; ++j) m.add(h.s[j] - h.s[k], h.w[j] - h.w[k]);
+  return fit_parabola(m).error;
+}
+
+// Replaces the fits a side by those of the straight flanks beyond a rounding, when there is one: the edge of a fillet is where
+// its flanks would meet. The rounding hides the neighbours that the ranking gave, so only the run bounds the search.
+void reach_flanks(Bend& bend, const Heights& h, std::uint32_t k, std::uint32_t first, std::uint32_t last,
+                  const FitScale& scale) {
+  constexpr double kLargest = 1.6; // of the gap a fillet may have against the least
+  constexpr double kSharpest = 12.0;
+  const std::uint32_t window = std::clamp(bend.window, scale.least_window, 2 * scale.least_window);
+  if (k - first < 4 || last - k < 4) return;
+  const auto most = static_cast<std::uint32_t>(std::min(400.0, std::ceil(kLargest * scale.arc_radius / scale.pitch)));
+  const Flank l = find_flank(h, k - 1, first, window, most, scale);
+  const Flank r = find_flank(h, k + 1, last, window, most, scale);
+  if (l.gap + r.gap == 0 || !l.straight || !r.straight || l.samples < 4 || r.samples < 4) return;
+  if (std::abs(l.slope - r.slope) < 1e-9) return;
+  const double u = ((r.w - r.slope * (r.s - bend.s)) - (l.w - l.slope * (l.s - bend.s))) / (l.slope - r.slope);
+  const double s = bend.s + u;
+  // The flanks meet over the rounding between them.
+  const double low = h.s[k - 1 - l.gap] - scale.pitch, high = h.s[k + 1 + r.gap] + scale.pitch;
+  if (s < low || s > high) return;
+  const double before_angle = std::atan(l.slope) * kDegrees, after_angle = std::atan(r.slope) * kDegrees;
+  const double tau = after_angle - before_angle;
+  if ((tau < 0.0) != (bend.tau < 0.0) || std::abs(tau) < std::abs(bend.tau)) return;
+  // Tangent length over the tangent of half the turning: the radius.
+  const double tangent =
+      0.5 * (h.s[k + 1 + r.gap] - h.s[k - 1 - l.gap]) / std::max(0.1, std::cos(0.5 * (before_angle + after_angle) / kDegrees));
+  const double radius = tangent / std::tan(std::min(89.0, 0.5 * std::abs(tau)) / kDegrees);
+  if (radius > scale.arc_radius) return;
+  const std::uint32_t from = k - 1 - l.gap - (l.samples - 1), to = k + 1 + r.gap + (r.samples - 1);
+  const double n = to - from + 1;
+  const double floor = n * (scale.noise * scale.noise + 2.5e-7);
+  bend.sharpness = std::min(kSharpest, 0.5 * n * std::log(std::max(1.0, arc_error(h, from, to) / floor)) - 1.0);
+  bend.s = s;
+  bend.w = l.at(s);
+  bend.theta_before = before_angle;
+  bend.theta_after = after_angle;
+  bend.tau = tau;
+  bend.window = std::max(bend.window, std::max(l.gap + l.samples, r.gap + r.samples));
+  bend.rounding = radius;
 }
 
 } // namespace
@@ -194,10 +244,11 @@ Bend fit_bend(const Heights& heights, std::uint32_t k, std::uint32_t before, std
   return w.measure(window, scale);
 }
 
-std::optional<Bend> find_bend(const Heights& heights, std::uint32_t k, std::uint32_t before, std::uint32_t after,
-                              const FitScale& scale) {
+std::optional<Bend> find_bend(const Heights& heights, std::uint32_t k, const Reach& reach, const FitScale& scale) {
   constexpr double kClearSharpness = 2.0, kClearSignificance = 8.0, kArc = -1.0, kSureCorner = 4.0;
-  Window window(heights, k, before, after);
+  constexpr double kMisfit = 3.0; // of the residuals' variance against that of the noise
+  constexpr double kStrong = 20.0; // degrees: what turns more is an edge even if its flanks are bent
+  Window window(heights, k, reach.before, reach.after);
   std::optional<Bend> best;
   bool arc = false;
   std::uint32_t samples = 0;
@@ -207,6 +258,7 @@ std::optional<Bend> find_bend(const Heights& heights, std::uint32_t k, std::uint
     samples = window.samples();
     const Bend bend = window.measure(factor * scale.least_window, scale);
     if (bend.sharpness < kArc && bend.significance() >= kLeastSignificance && bend.radius > scale.arc_radius) arc = true;
+    if (factor > 1 && bend.misfit > kMisfit && best) break;
     if (bend.sharpness > kClearSharpness && bend.significance() > kClearSignificance) {
       best = bend;
       break;
@@ -215,6 +267,8 @@ std::optional<Bend> find_bend(const Heights& heights, std::uint32_t k, std::uint
   }
   if (!best || (arc && best->sharpness < kSureCorner)) return std::nullopt;
   if (std::abs(best->tau) < kLeastTurning || best->significance() < kLeastSignificance) return std::nullopt;
+  reach_flanks(*best, heights, k, reach.first, reach.last, scale);
+  if (best->misfit > kMisfit && best->rounding == 0.0 && std::abs(best->tau) < kStrong) return std::nullopt;
   return best;
 }
 

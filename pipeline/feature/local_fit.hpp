@@ -22,8 +22,10 @@ struct Bend {
   double tau = 0.0, sigma_tau = 1.0; ///< turning and its standard deviation
   double sharpness = 0.0;            ///< Lambda: log likelihood of a corner over that of an arc
   double radius = 0.0;               ///< of the arc
+  double misfit = 0.0;               ///< variance about the broken line over that of the noise
   std::uint32_t window = 0;          ///< samples a side that were asked for
   bool fitted = false;               ///< both sides had enough samples
+  double rounding = 0.0;             ///< radius of what rounds the edge, when its flanks were found beyond
 
   [[nodiscard]] double significance() const noexcept;
 };
@@ -41,10 +43,14 @@ struct FitScale {
 [[nodiscard]] Bend fit_bend(const Heights& heights, std::uint32_t k, std::uint32_t before, std::uint32_t after,
                             std::uint32_t window, const FitScale& scale);
 
+/// Samples that a fit may use: up to the neighbours of its triplet, and for what lies beyond a rounding all of the run.
+struct Reach {
+  std::uint32_t before = 0, after = 0, first = 0, last = 0;
+};
+
 /// Tries windows of 1, 2, 4 and 8 times the least one and takes the first that shows a clear corner, else the sharpest. Empty:
 /// what is there is an arc or too weak.
-[[nodiscard]] std::optional<Bend> find_bend(const Heights& heights, std::uint32_t k, std::uint32_t before, std::uint32_t after,
-                                            const FitScale& scale);
+[[nodiscard]] std::optional<Bend> find_bend(const Heights& heights, std::uint32_t k, const Reach& reach, const FitScale& scale);
 
 /// The smooth crest or trough around sample k: vertex of a parabola over +-`reach` mm. Empty: none with a radius up to
 /// `radius_limit`.

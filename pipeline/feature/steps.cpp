@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/feature/steps.hpp"
 
+#include "pipeline/feature/flank.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -35,30 +37,19 @@ struct WallTest {
   }
 };
 
-// The straight line through some samples; level when there are too few for a slope.
-struct Straight {
-  double s = 0.0, w = 0.0, slope = 0.0;
-  std::uint32_t samples = 0;
-  [[nodiscard]] double at(double place) const noexcept { return w + slope * (place - s); }
-};
-
-Straight fit(const Heights& h, std::uint32_t first, std::uint32_t last) noexcept {
-  Straight line;
-  double uu = 0.0, uv = 0.0;
+// The slope of the wall itself.
+double wall_slope(const Heights& h, std::uint32_t first, std::uint32_t last) noexcept {
+  double s = 0.0, w = 0.0, uu = 0.0, uv = 0.0;
+  const double n = last - first;
   for (std::uint32_t k = first; k < last; ++k) {
-    line.s += h.s[k];
-    line.w += h.w[k];
-    ++line.samples;
+    s += h.s[k] / n;
+    w += h.w[k] / n;
   }
-  if (line.samples == 0) return line;
-  line.s /= line.samples;
-  line.w /= line.samples;
   for (std::uint32_t k = first; k < last; ++k) {
-    uu += (h.s[k] - line.s) * (h.s[k] - line.s);
-    uv += (h.s[k] - line.s) * (h.w[k] - line.w);
+    uu += (h.s[k] - s) * (h.s[k] - s);
+    uv += (h.s[k] - s) * (h.w[k] - w);
   }
-  if (line.samples >= 3 && uu > 0.0) line.slope = uv / uu;
-  return line;
+  return uv / uu;
 }
 
 } // namespace
@@ -70,42 +61,51 @@ void StepFinder::find_walls(const Heights& h, std::uint32_t begin, std::uint32_t
   for (std::uint32_t k = begin; k + 1 < end; ++k) {
     if (!test.seed(h, k, begin, end)) continue;
     const bool rising = h.w[k + 1] > h.w[k];
-    WallRun wall{k, k + 1, false};
+    WallRun wall{k, k + 1, 0, 0, false};
     const std::uint32_t floor = walls.size() > known ? walls.back().last : begin;
     while (wall.first > floor && test.grows(h, wall.first - 1, rising)) --wall.first;
     while (wall.last + 1 < end && test.grows(h, wall.last, rising)) ++wall.last;
+    wall.low = wall.first;
+    wall.high = wall.last;
     walls.push_back(wall);
     k = wall.last - 1;
   }
 }
 
-void StepFinder::measure(const Heights& h, const WallRun& wall, std::uint32_t low, std::uint32_t high, const FitScale& scale,
+void StepFinder::measure(const Heights& h, WallRun& wall, std::uint32_t low, std::uint32_t high, const FitScale& scale,
                          std::vector<FeaturePoint>& out) const {
   const std::uint32_t n = scale.least_window;
-  const std::uint32_t l = wall.first - low > n ? wall.first - n : low;
-  const std::uint32_t r = std::min(high, wall.last + 1 + n);
-  Straight before = fit(h, l, wall.first), after = fit(h, wall.last + 1, r);
-  if (before.samples == 0) before = {h.s[wall.first], h.w[wall.first], 0.0, 0};
-  if (after.samples == 0) after = {h.s[wall.last], h.w[wall.last], 0.0, 0};
+  const auto most = static_cast<std::uint32_t>(std::min(400.0, std::ceil(scale.arc_radius / scale.pitch)));
+  // Plateaus leave out the ends of the wall, and what rounds its edges.
+  const auto plateau = [&](std::uint32_t end, std::uint32_t limit) {
+    if (end == limit) return Flank{h.s[end], h.w[end], 0.0, 0.0, 0, 0, false};
+    const std::uint32_t from = limit < end ? end - 1 : end + 1;
+    Flank flank = find_flank(h, from, limit, n, most, scale);
+    return flank.straight || flank.gap == 0 ? flank : find_flank(h, from, limit, n, 0, scale);
+  };
+  const Flank before = plateau(wall.first, low), after = plateau(wall.last, high);
   const double middle = 0.5 * (h.s[wall.first] + h.s[wall.last]);
   const double height = std::abs(after.at(middle) - before.at(middle));
   const double off = std::max({4.0 * scale.noise, 0.05 * height, 0.015});
   // Samples of the wall itself: the inner ones, and an end that is off its plateau.
   const std::uint32_t a = std::abs(h.w[wall.first] - before.at(h.s[wall.first])) > off ? wall.first : wall.first + 1;
   const std::uint32_t b = std::abs(h.w[wall.last] - after.at(h.s[wall.last])) > off ? wall.last + 1 : wall.last;
-  const std::uint32_t edge_before = a == wall.first && wall.first > low ? a - 1 : a > 0 ? a - 1 : a;
-  const std::uint32_t edge_after = b < h.size() ? b : b - 1;
+  const std::uint32_t edge_before = a > 0 ? a - 1 : a;
+  const auto edge_after = std::min(b, static_cast<std::uint32_t>(h.size() - 1));
   double s_before = 0.5 * (h.s[edge_before] + h.s[edge_after]), s_after = s_before;
   double slope = std::copysign(1e3, after.at(middle) - before.at(middle));
   if (b >= a + 2) {
-    const Straight line = fit(h, a, b);
-    const double steep = line.samples >= 3 ? line.slope : (h.w[b - 1] - h.w[a]) / (h.s[b - 1] - h.s[a]);
-    const auto meet = [&](const Straight& plateau) {
-      return line.s + (plateau.at(line.s) - line.w) / (steep - plateau.slope);
-    };
+    // The rounded ends of a wall are less steep than its middle.
+    const std::uint32_t trim_a = before.gap > 0 && b - a > 3 ? a + 1 : a, trim_b = after.gap > 0 && b - a > 3 ? b - 1 : b;
+    const double steep = wall_slope(h, trim_a, trim_b);
+    const std::uint32_t inner = (trim_a + trim_b) / 2;
+    const double s = trim_b - trim_a > 2 ? h.s[inner] : 0.5 * (h.s[trim_a] + h.s[trim_b - 1]);
+    const double w = trim_b - trim_a > 2 ? h.w[inner] : 0.5 * (h.w[trim_a] + h.w[trim_b - 1]);
+    const auto meet = [&](const Flank& flank) { return s + (flank.at(s) - w) / (steep - flank.slope); };
     slope = steep;
-    s_before = std::clamp(meet(before), h.s[edge_before], h.s[edge_after]);
-    s_after = std::clamp(meet(after), s_before, h.s[edge_after]);
+    const double reach = 1.5 * scale.pitch;
+    s_before = std::clamp(meet(before), h.s[edge_before] - reach, h.s[edge_after]);
+    s_after = std::clamp(meet(after), s_before, h.s[edge_after] + reach);
   }
   FeaturePoint first, second;
   first.s = s_before;
@@ -130,6 +130,10 @@ void StepFinder::measure(const Heights& h, const WallRun& wall, std::uint32_t lo
   second.partner = static_cast<std::int32_t>(out.size());
   out.push_back(first);
   out.push_back(second);
+  // What rounds the edges belongs to them.
+  const auto margin = [](std::uint32_t gap) { return gap > 0 ? gap + 2 : 0; };
+  wall.low = wall.first - std::min(margin(before.gap), wall.first - low);
+  wall.high = wall.last + std::min(margin(after.gap), high - wall.last);
 }
 
 void StepFinder::find(const Heights& heights, std::uint32_t begin, std::uint32_t end, const FitScale& scale,
@@ -141,9 +145,9 @@ void StepFinder::find(const Heights& heights, std::uint32_t begin, std::uint32_t
     if (wall.last - wall.first > kMostIntervals) continue;
     if (wall.first < begin + kLineEnd || wall.last + kLineEnd >= end) continue;
     const std::uint32_t low = i > known ? walls[i - 1].last + 1 : begin;
-    const std::uint32_t high = i + 1 < walls.size() ? walls[i + 1].first : end;
+    const std::uint32_t high = i + 1 < walls.size() ? walls[i + 1].first - 1 : end - 1;
     wall.step = true;
-    measure(heights, wall, std::min(low, wall.first), std::max(high, wall.last + 1), scale, out);
+    measure(heights, wall, std::min(low, wall.first), std::max(high, wall.last), scale, out);
   }
 }
 

@@ -9,9 +9,9 @@
 
 namespace scansion {
 
-/// The samples of one wall; its intervals are first..last.
+/// The samples of one wall: first..last, with what rounds its edges low..high.
 struct WallRun {
-  std::uint32_t first = 0, last = 0;
+  std::uint32_t first = 0, last = 0, low = 0, high = 0;
   bool step = false; ///< short enough to be a step: its edges were found
 };
 
@@ -26,7 +26,7 @@ public:
 private:
   void find_walls(const Heights& h, std::uint32_t begin, std::uint32_t end, const FitScale& scale,
                   std::vector<WallRun>& walls) const;
-  void measure(const Heights& h, const WallRun& wall, std::uint32_t low, std::uint32_t high, const FitScale& scale,
+  void measure(const Heights& h, WallRun& wall, std::uint32_t low, std::uint32_t high, const FitScale& scale,
                std::vector<FeaturePoint>& out) const;
 };
 

@@ -78,7 +78,9 @@ Axis axis_of(const Track& track, TrackEnd end) {
 
 bool is_confirmed(const Track& track) {
   constexpr std::size_t kPoints = 5;
-  constexpr double kTurning = 8.0, kSharpness = 1.5, kSharpest = 6.0;
+  // What turns little must be seen more often: noise and the polygons of smooth surfaces turn little too.
+  constexpr std::size_t kFairPoints = 8, kWeakPoints = 12;
+  constexpr double kTurning = 8.0, kWeak = 20.0, kStrong = 30.0, kSharpness = 1.5, kSharpest = 6.0;
   const std::size_t n = track.points.size();
   if (n < kPoints) return false;
   const auto span = static_cast<double>(std::abs(track.points.back().step - track.points.front().step) + 1);
@@ -93,7 +95,8 @@ bool is_confirmed(const Track& track) {
     smooth = smooth && p.feature.smooth;
   }
   std::nth_element(turning.begin(), turning.begin() + static_cast<std::ptrdiff_t>(n / 2), turning.end());
-  if (turning[n / 2] < kTurning) return false;
+  const double middle = turning[n / 2];
+  if (middle < kTurning || n < (middle < kWeak ? kWeakPoints : middle < kStrong ? kFairPoints : kPoints)) return false;
   return smooth || sharpness >= kSharpness * static_cast<double>(n);
 }
 

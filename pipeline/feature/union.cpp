@@ -52,7 +52,13 @@ bool Union::is_covered(const Band& band, const Near& place, double reach_s, doub
 
 void Union::decide(std::span<Track* const> tracks, double settled, const Sampling& sampling) {
   const double reach = kBeside * sampling.coarse();
-  const double low = decided_ - 2.0 * reach, high = settled + 2.0 * reach;
+  // A track that was confirmed late brings points from before the last decision.
+  double low = decided_;
+  for (const Track* track : tracks)
+    for (const TrackPoint& p : track->points)
+      if (p.verdict == Verdict::open) low = std::min(low, track->c_of(p));
+  low -= 2.0 * reach;
+  const double high = settled + 2.0 * reach;
   gather(tracks, Pass::lengthwise, low, high, lengthwise_);
   gather(tracks, Pass::crosswise, low, high, crosswise_);
   const auto index = [](const Near& n) {
