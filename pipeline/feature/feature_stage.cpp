@@ -3,6 +3,7 @@
 #include "pipeline/feature/feature_stage.hpp"
 
 #include "pipeline/feature/line_finder.hpp"
+#include "pipeline/feature/patch_grower.hpp"
 #include "pipeline/feature/publisher.hpp"
 #include "pipeline/feature/spikes.hpp"
 
@@ -35,9 +36,9 @@ Vector3 origin_mm(const std::array<std::int64_t, 3>& origin, double resolution) 
 } // namespace
 
 struct FeatureStage::Impl {
-  Impl(Rational resolution_mm, const std::array<std::int64_t, 3>& origin, const FeatureSettings& settings)
+  Impl(Rational resolution_mm, const std::array<std::int64_t, 3>& counts, const FeatureSettings& settings)
       : resolution(resolution_mm.value()), estimator(settings, resolution_mm.value()), spikes(resolution_mm),
-        finder(settings.linking), publisher(origin_mm(origin, resolution)) {}
+        finder(settings.linking), publisher(origin_mm(counts, resolution)), origin(origin_mm(counts, resolution)) {}
 
   void take(const LineGroup& group, const ScanLine& line, std::span<const double> distance, RawLine& out) const;
   void begin();
@@ -54,6 +55,8 @@ struct FeatureStage::Impl {
   SpikeFilter spikes;
   LineFinder finder;
   Publisher publisher;
+  Vector3 origin;
+  std::optional<PatchGrower> patches;
   std::vector<Curve> curves;
   AlphaSet alpha;
   std::optional<double> last_c;
@@ -81,6 +84,7 @@ void FeatureStage::Impl::take(const LineGroup& group, const ScanLine& line, std:
 
 void FeatureStage::Impl::begin() {
   frame = frame_finder.frame();
+  patches.emplace(*frame, origin);
   // The sampling is wanted before the first line is searched.
   for (const RawLine& line : waiting) {
     make_profile(line, *frame, profile);
@@ -104,6 +108,7 @@ void FeatureStage::Impl::process(const RawLine& line) {
   last_c = profile.c;
   spikes.clean(profile, sampling.noise);
   finder.add(profile, sampling, curves);
+  patches->hold(profile);
 }
 
 void FeatureStage::Impl::publish(FeatureReport& report) {
@@ -111,6 +116,7 @@ void FeatureStage::Impl::publish(FeatureReport& report) {
   for (const Curve& curve : curves)
     if (is_enough(curve)) report.lines.push_back(publisher.publish(curve, *frame, sampling, alpha));
   curves.clear();
+  patches->advance(finder.cuts_complete(), finder.cuts(), sampling, report);
 }
 
 FeatureStage::FeatureStage(const Lattice& lattice, const FeatureSettings& settings)
@@ -136,7 +142,7 @@ void FeatureStage::add(const LineGroup& group, std::span<const double> distance,
     m.waiting.push_back(m.raw);
     if (m.frame_finder.lines() >= FrameFinder::kLines) m.begin();
   }
-  m.publish(report);
+  if (m.frame) m.publish(report);
 }
 
 void FeatureStage::skip(const Gap&) {}
@@ -147,6 +153,7 @@ void FeatureStage::finish(FeatureReport& report) {
   if (!m.frame) return;
   m.finder.finish(m.estimator.value(), FeatureEnd::open, m.curves);
   m.publish(report);
+  m.patches->finish(m.estimator.value(), report);
 }
 
 } // namespace scansion

@@ -53,6 +53,8 @@ void LineFinder::settle(double settled, const Sampling& sampling, std::vector<Cu
   }
   for (Track& track : ended_) deciding_.push_back(&track);
   union_.decide(deciding_, settled, sampling);
+  cuts_.take(deciding_, settled, sampling);
+  cuts_complete_ = cuts_.complete(settled, sampling);
   std::vector<Curve> stretches;
   for (Track& track : ended_) {
     const bool decided = std::none_of(track.points.begin(), track.points.end(),

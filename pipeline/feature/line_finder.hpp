@@ -3,6 +3,7 @@
 #pragma once
 
 #include "pipeline/feature/crosswise.hpp"
+#include "pipeline/feature/cuts.hpp"
 #include "pipeline/feature/detector.hpp"
 #include "pipeline/feature/joiner.hpp"
 #include "pipeline/feature/tracker.hpp"
@@ -23,6 +24,10 @@ public:
   /// The scan ends, or goes on somewhere else.
   void finish(const Sampling& sampling, FeatureEnd reason, std::vector<Curve>& out);
 
+  /// The cuts that patches need, complete up to cuts_complete().
+  [[nodiscard]] Cuts& cuts() noexcept { return cuts_; }
+  [[nodiscard]] double cuts_complete() const noexcept { return cuts_complete_; }
+
 private:
   void settle(double settled, const Sampling& sampling, std::vector<Curve>& out);
 
@@ -32,6 +37,8 @@ private:
   CrosswiseLinker crosswise_;
   std::optional<Columns> columns_;
   Union union_;
+  Cuts cuts_;
+  double cuts_complete_ = -std::numeric_limits<double>::infinity();
   Joiner joiner_;
   std::vector<Track> ended_; ///< until all their points have a verdict
   std::vector<FeaturePoint> points_;
