@@ -227,8 +227,8 @@ void Columns::harvest(std::int64_t r, const Sampling& sampling, std::vector<Colu
   const FitScale scale = FitScale::of(sampling.noise, sampling.spacing, sampling.coarse());
   const auto n = static_cast<double>(window_);
   const double length = n * sampling.spacing;
-  const auto least = std::max(kLeastSlopeChange, static_cast<float>(kLeastSignificance * scale.noise *
-                                                                    std::sqrt(24.0 / (n * length * length))));
+  const auto least = std::max(kLeastSlopeChange,
+                              static_cast<float>(kLeastSignificance * scale.noise * std::sqrt(24.0 / (n * length * length))));
   const auto near = std::max<std::int64_t>(1, static_cast<std::int64_t>(window_) / 2);
   const Row& centre = row(r);
   const bool wall_possible = has(r + 1);

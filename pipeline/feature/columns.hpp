@@ -42,8 +42,8 @@ private:
     double c = 0.0;
     std::uint64_t line = 0;
     std::vector<std::uint32_t> source; // sample of the scan line
-    std::vector<float> height;  // NaN where there is none; relative to base_
-    std::vector<float> bend;    // slope after minus slope before, over the least window; NaN: unknown
+    std::vector<float> height;         // NaN where there is none; relative to base_
+    std::vector<float> bend;           // slope after minus slope before, over the least window; NaN: unknown
   };
   [[nodiscard]] Row& row(std::int64_t r) noexcept { return ring_[static_cast<std::size_t>(r) % ring_.size()]; }
   [[nodiscard]] const Row& row(std::int64_t r) const noexcept { return ring_[static_cast<std::size_t>(r) % ring_.size()]; }
@@ -64,7 +64,7 @@ private:
   std::int64_t left_ = 0;  // number of the first column
   std::size_t width_ = 0;  // columns
   std::vector<Row> ring_;
-  std::int64_t first_ = 0, next_ = 0; // rows held
+  std::int64_t first_ = 0, next_ = 0;  // rows held
   std::vector<double> before_, after_; // weights of rows in slopes
   std::vector<double> s_, w_;          // one column
   StepFinder steps_;

@@ -52,14 +52,12 @@ CrosswiseLinker::Choice CrosswiseLinker::best_end(const ColumnPoint& point, Trac
       if (track.points.empty()) continue;
       const TrackPoint& last = end == TrackEnd::back ? track.points.back() : track.points.front();
       if (last.step != column) continue;
-      const Expectation e =
-          expect(axis_of(track, end), point.s, sampling.spacing, sampling.noise, last.feature.sigma_s);
+      const Expectation e = expect(axis_of(track, end), point.s, sampling.spacing, sampling.noise, last.feature.sigma_s);
       const auto cost = link_cost(track, last.feature, e, point.feature, point.feature.s, point.feature.w, linking_);
       if (!cost) continue;
       // Nearer columns first: a track that already has a point there is the better one to continue.
       const double full = *cost + 0.2 * static_cast<double>(d - 1);
-      if (!best.found || full < best.cost || (full == best.cost && track.id < live_[best.track].id))
-        best = {t, full, true};
+      if (!best.found || full < best.cost || (full == best.cost && track.id < live_[best.track].id)) best = {t, full, true};
     }
   }
   return best;

@@ -28,8 +28,8 @@ void cut_stretches(const Track& track, std::size_t fewest, std::vector<Curve>& o
       curve.ends = end == n ? track.ends : FeatureEnd::death;
       for (std::size_t k = i; k < end; ++k) {
         const TrackPoint& p = track.points[k];
-        curve.points.push_back({track.s_of(p), p.smooth_w, track.c_of(p), p.feature,
-                                track.pass == Pass::lengthwise ? p.step : std::int64_t{-1}});
+        curve.points.push_back(
+            {track.s_of(p), p.smooth_w, track.c_of(p), p.feature, track.pass == Pass::lengthwise ? p.step : std::int64_t{-1}});
       }
       out.push_back(std::move(curve));
     }

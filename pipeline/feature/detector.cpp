@@ -52,8 +52,8 @@ void Detector::add_vertex(const Profile& profile, const Vertex& vertex, std::uin
   if (!bend || bend->sharpness < 0.0 || bend->rounding > kRound) {
     const double before = angle(profile.s[vertex.k] - profile.s[vertex.before], profile.w[vertex.k] - profile.w[vertex.before]);
     const double after = angle(profile.s[vertex.after] - profile.s[vertex.k], profile.w[vertex.after] - profile.w[vertex.k]);
-    const bool crest = before * after < 0.0 && std::min(std::abs(before), std::abs(after)) >= kSlope &&
-                       std::abs(after - before) >= kTotal;
+    const bool crest =
+        before * after < 0.0 && std::min(std::abs(before), std::abs(after)) >= kSlope && std::abs(after - before) >= kTotal;
     if (crest) {
       const double limit = std::max(2.0, 4.0 * sampling.coarse());
       if (auto vertex_bend = find_crest(heights, vertex.k, vertex.before, vertex.after, limit, scale)) {
@@ -103,9 +103,8 @@ void Detector::sort(std::vector<FeaturePoint>& out) {
   order_.resize(found_.size());
   place_.assign(found_.size(), 0);
   for (std::uint32_t i = 0; i < order_.size(); ++i) order_[i] = i;
-  std::sort(order_.begin(), order_.end(), [&](std::uint32_t a, std::uint32_t b) {
-    return found_[a].s != found_[b].s ? found_[a].s < found_[b].s : a < b;
-  });
+  std::sort(order_.begin(), order_.end(),
+            [&](std::uint32_t a, std::uint32_t b) { return found_[a].s != found_[b].s ? found_[a].s < found_[b].s : a < b; });
   for (std::uint32_t i = 0; i < order_.size(); ++i) place_[order_[i]] = i;
   out.clear();
   for (const std::uint32_t i : order_) {

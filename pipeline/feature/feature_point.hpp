@@ -10,17 +10,17 @@ namespace scansion {
 
 /// Angles in degrees, lengths in mm; s along the profile, w up.
 struct FeaturePoint {
-  double s = 0.0, w = 0.0;   ///< refined place
-  double sigma_s = 0.0;      ///< of s
+  double s = 0.0, w = 0.0; ///< refined place
+  double sigma_s = 0.0;    ///< of s
   double theta_before = 0.0, theta_after = 0.0;
   double tau = 0.0, sigma_tau = 1.0; ///< turning: above 0 concave
-  double sharpness = 0.0;    ///< Lambda
-  double width = 0.0;        ///< log2(D / least D)
-  std::uint32_t k = 0;       ///< sample of the profile it was found at
-  std::uint32_t sample = 0;  ///< the same, of the scan line
-  std::uint64_t line = 0;    ///< scan line it was found on
-  std::uint32_t window = 0;  ///< samples a side it was measured over; 0 for steps
-  std::int32_t partner = -1; ///< the other edge of a step in the list of the profile
+  double sharpness = 0.0;            ///< Lambda
+  double width = 0.0;                ///< log2(D / least D)
+  std::uint32_t k = 0;               ///< sample of the profile it was found at
+  std::uint32_t sample = 0;          ///< the same, of the scan line
+  std::uint64_t line = 0;            ///< scan line it was found on
+  std::uint32_t window = 0;          ///< samples a side it was measured over; 0 for steps
+  std::int32_t partner = -1;         ///< the other edge of a step in the list of the profile
   FeatureType type = FeatureType::convex;
   ShapeElement element = ShapeElement::straight;
   bool step = false;   ///< from a wall between samples: its angles are nominal

@@ -7,17 +7,17 @@
 namespace scansion {
 
 struct Flank {
-  double s = 0.0, w = 0.0;     ///< a place of it: the middle of its samples
-  double slope = 0.0;          ///< dw / ds
-  double length = 0.0;         ///< mm along s
+  double s = 0.0, w = 0.0; ///< a place of it: the middle of its samples
+  double slope = 0.0;      ///< dw / ds
+  double length = 0.0;     ///< mm along s
   std::uint32_t samples = 0;
-  std::uint32_t gap = 0;       ///< samples between the edge and the flank
-  bool straight = false;       ///< within the noise
+  std::uint32_t gap = 0; ///< samples between the edge and the flank
+  bool straight = false; ///< within the noise
   [[nodiscard]] double at(double place) const noexcept { return w + slope * (place - s); }
 };
 
-/// The first straight stretch of `window` samples from sample `from` outwards, up to sample `to` (included; below `from`: to the
-/// left), at most `most_gap` samples away. The straightest one when none is straight.
+/// The first straight stretch of `window` samples from sample `from` outwards, up to sample `to` (included; below `from`: to
+/// the left), at most `most_gap` samples away. The straightest one when none is straight.
 [[nodiscard]] Flank find_flank(const Heights& heights, std::uint32_t from, std::uint32_t to, std::uint32_t window,
                                std::uint32_t most_gap, const FitScale& scale);
 

@@ -13,9 +13,9 @@ namespace {
 struct Outline {
   double convex = 0.0, concave = 0.0; ///< length by polarity as seen from the patch
   double open = 0.0, backed = 0.0, cut = 0.0;
-  double level = 0.0;                 ///< mean height above the neighbours, by border length; 0 where only creases border
-  double longest_two = 0.0;           ///< share of the two longest borders
-  double larger_neighbours = 0.0;     ///< length of border with patches that are larger
+  double level = 0.0;             ///< mean height above the neighbours, by border length; 0 where only creases border
+  double longest_two = 0.0;       ///< share of the two longest borders
+  double larger_neighbours = 0.0; ///< length of border with patches that are larger
   [[nodiscard]] double all() const noexcept { return cut + open; }
 };
 

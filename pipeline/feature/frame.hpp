@@ -1,5 +1,5 @@
-// The frame in which profiles are looked at: along the scan line, up in its plane, across the lines (docs/FEATURES.md, "Frame").
-// SPDX-License-Identifier: Apache-2.0
+// The frame in which profiles are looked at: along the scan line, up in its plane, across the lines (docs/FEATURES.md,
+// "Frame"). SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "pipeline/model/scan_line.hpp"
@@ -17,8 +17,8 @@ using Vector3 = std::array<double, 3>;
 
 /// Right-handed: along x up = -normal. `along` is horizontal, `up` has a positive z.
 struct Frame {
-  Vector3 along{1.0, 0.0, 0.0}; ///< e: the s axis
-  Vector3 up{0.0, 0.0, 1.0};    ///< m: the w axis
+  Vector3 along{1.0, 0.0, 0.0};  ///< e: the s axis
+  Vector3 up{0.0, 0.0, 1.0};     ///< m: the w axis
   Vector3 normal{0.0, 1.0, 0.0}; ///< n: the c axis, towards later lines
 
   [[nodiscard]] Vector3 position(double s, double w, double c) const noexcept {

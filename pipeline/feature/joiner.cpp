@@ -74,7 +74,8 @@ void Joiner::find_pairs(double settled, std::span<const LiveEnd> live, const Sam
   }
   std::vector<std::size_t> order(ends_.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return tips[a].c != tips[b].c ? tips[a].c < tips[b].c : a < b; });
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return tips[a].c != tips[b].c ? tips[a].c < tips[b].c : a < b; });
   for (std::size_t i = 0; i < order.size(); ++i) {
     for (std::size_t j = i + 1; j < order.size(); ++j) {
       const std::size_t a = order[i], b = order[j];
@@ -88,7 +89,8 @@ void Joiner::find_pairs(double settled, std::span<const LiveEnd> live, const Sam
   std::sort(pairs_.begin(), pairs_.end(), [&](const Pair& x, const Pair& y) {
     if (x.cost != y.cost) return x.cost < y.cost;
     const auto key = [&](const Pair& p) {
-      return std::array<std::uint64_t, 4>{held_[p.a.curve].order, held_[p.b.curve].order, p.a.back ? 1U : 0U, p.b.back ? 1U : 0U};
+      return std::array<std::uint64_t, 4>{held_[p.a.curve].order, held_[p.b.curve].order, p.a.back ? 1U : 0U,
+                                          p.b.back ? 1U : 0U};
     };
     return key(x) < key(y);
   });

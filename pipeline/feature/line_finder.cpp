@@ -57,8 +57,8 @@ void LineFinder::settle(double settled, const Sampling& sampling, std::vector<Cu
   cuts_complete_ = cuts_.complete(settled, sampling);
   std::vector<Curve> stretches;
   for (Track& track : ended_) {
-    const bool decided = std::none_of(track.points.begin(), track.points.end(),
-                                      [](const TrackPoint& p) { return p.verdict == Verdict::open; });
+    const bool decided =
+        std::none_of(track.points.begin(), track.points.end(), [](const TrackPoint& p) { return p.verdict == Verdict::open; });
     if (!decided) {
       for (const TrackPoint* p : {&track.points.front(), &track.points.back()})
         live_ends_.push_back({track.s_of(*p), track.c_of(*p), track.convex()});

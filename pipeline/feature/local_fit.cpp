@@ -50,9 +50,9 @@ Line fit_line(const Moments& m) noexcept {
 }
 
 struct Parabola {
-  double curvature = 0.0; // second derivative / 2
+  double curvature = 0.0;                         // second derivative / 2
   double slope = 0.0, middle = 0.0, offset = 0.0; // v = offset + slope (u - middle) + curvature (u - middle)^2
-  double error = 0.0;     // sum of squares
+  double error = 0.0;                             // sum of squares
 };
 
 Parabola fit_parabola(const Moments& m) noexcept {
@@ -246,7 +246,7 @@ Bend fit_bend(const Heights& heights, std::uint32_t k, std::uint32_t before, std
 
 std::optional<Bend> find_bend(const Heights& heights, std::uint32_t k, const Reach& reach, const FitScale& scale) {
   constexpr double kClearSharpness = 2.0, kClearSignificance = 8.0, kArc = -1.0, kSureCorner = 4.0;
-  constexpr double kMisfit = 3.0; // of the residuals' variance against that of the noise
+  constexpr double kMisfit = 3.0;  // of the residuals' variance against that of the noise
   constexpr double kStrong = 20.0; // degrees: what turns more is an edge even if its flanks are bent
   Window window(heights, k, reach.before, reach.after);
   std::optional<Bend> best;

@@ -17,7 +17,7 @@ struct Heights {
 
 /// Angles in degrees, lengths in mm.
 struct Bend {
-  double s = 0.0, w = 0.0;           ///< where the two lines meet, or the sample itself
+  double s = 0.0, w = 0.0; ///< where the two lines meet, or the sample itself
   double theta_before = 0.0, theta_after = 0.0;
   double tau = 0.0, sigma_tau = 1.0; ///< turning and its standard deviation
   double sharpness = 0.0;            ///< Lambda: log likelihood of a corner over that of an arc

@@ -29,11 +29,11 @@ public:
     std::map<std::uint32_t, Border> borders; ///< by the other patch's id, which may be out of date: see find()
     double open = 0.0;                       ///< border on the end of the data, mm
     std::int64_t last_row = 0;
-    double width_rows = 0.0, rows = 0.0;     ///< sum of widths along the lines, rows seen
+    double width_rows = 0.0, rows = 0.0; ///< sum of widths along the lines, rows seen
     double s_low = 0.0, s_high = 0.0, c_low = 0.0, c_high = 0.0;
-    double slope = 0.0;                      ///< steepest of its planes met, degrees
+    double slope = 0.0; ///< steepest of its planes met, degrees
     bool doubtful = false;
-    std::uint32_t nearest = 0;               ///< patch that stands nearest on a line, and how near
+    std::uint32_t nearest = 0; ///< patch that stands nearest on a line, and how near
     double nearest_gap = 0.0;
     bool has_nearest = false;
     bool published = false;

@@ -11,11 +11,11 @@ namespace scansion {
 
 namespace {
 
-constexpr double kDropout = 3.5;       // pitches between samples that still belong together
+constexpr double kDropout = 3.5;        // pitches between samples that still belong together
 constexpr std::int64_t kCloseAfter = 2; // rows without a sample
-constexpr double kSmall = 25.0;        // samples: fewer are no patch
-constexpr double kLarge = 100.0;       // samples: a patch that is not given up for a narrow contact
-constexpr double kNarrow = 0.25;       // of a border: a contact below this joins nothing
+constexpr double kSmall = 25.0;         // samples: fewer are no patch
+constexpr double kLarge = 100.0;        // samples: a patch that is not given up for a narrow contact
+constexpr double kNarrow = 0.25;        // of a border: a contact below this joins nothing
 
 } // namespace
 
@@ -81,7 +81,8 @@ void PatchGrower::link(const Sampling& sampling, double pitch, FeatureReport& re
       const auto from = static_cast<std::int64_t>(std::ceil(std::max(a.s_low, b.s_low) / pitch));
       const auto to = static_cast<std::int64_t>(std::floor(std::min(a.s_high, b.s_high) / pitch));
       if (to < from) continue;
-      const auto low = std::lower_bound(across_.begin(), across_.end(), from, [](const Cut& c, std::int64_t k) { return c.column < k; });
+      const auto low =
+          std::lower_bound(across_.begin(), across_.end(), from, [](const Cut& c, std::int64_t k) { return c.column < k; });
       const auto high = std::upper_bound(low, across_.end(), to, [](std::int64_t k, const Cut& c) { return k < c.column; });
       const auto cut = static_cast<double>(high - low);
       const double open = static_cast<double>(to - from + 1) - cut;
@@ -93,7 +94,8 @@ void PatchGrower::link(const Sampling& sampling, double pitch, FeatureReport& re
   for (std::size_t i = 0; i < now_.size(); ++i) {
     const Contact* best = nullptr;
     for (const Contact& c : contacts)
-      if (c.stretch == i && c.open > 0.0 && c.open >= kNarrow * (c.open + c.cut) && (best == nullptr || c.open > best->open)) best = &c;
+      if (c.stretch == i && c.open > 0.0 && c.open >= kNarrow * (c.open + c.cut) && (best == nullptr || c.open > best->open))
+        best = &c;
     now_[i].patch = best != nullptr ? best->patch : graph_.create(row_number_);
   }
   for (const Contact& c : contacts) {

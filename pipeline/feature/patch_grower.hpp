@@ -35,7 +35,7 @@ private:
     std::uint32_t first = 0, last = 0; // samples, both included
     std::uint32_t patch = 0;
     double s_low = 0.0, s_high = 0.0;
-    bool cut_before = false;           // by a feature line, else by the end of the data
+    bool cut_before = false; // by a feature line, else by the end of the data
     Cut cut;
   };
 

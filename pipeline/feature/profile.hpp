@@ -12,9 +12,9 @@ namespace scansion {
 
 /// Samples in ascending s. The recording keeps the raw line; this is a view of it. Buffers are used again.
 struct Profile {
-  std::uint64_t line = 0; ///< line index in the recording
-  double c = 0.0;         ///< mm, of its plane
-  bool turned = false;    ///< was scanned towards negative s
+  std::uint64_t line = 0;            ///< line index in the recording
+  double c = 0.0;                    ///< mm, of its plane
+  bool turned = false;               ///< was scanned towards negative s
   std::vector<double> s, w;          ///< mm
   std::vector<std::uint32_t> source; ///< index of each sample in its line
   std::vector<double> distance;      ///< D in mm; infinite at the ends of runs

@@ -80,7 +80,8 @@ FeatureLine Publisher::publish(const Curve& curve, const Frame& frame, const Sam
   line.sharpness = sharpness / n;
   line.guided_share = static_cast<double>(guided) / n;
   line.persistence = line.length_mm / (5.0 * sampling.coarse());
-  const bool step = std::any_of(curve.points.begin(), curve.points.end(), [](const CurvePoint& p) { return p.feature.step && p.row < 0; });
+  const bool step =
+      std::any_of(curve.points.begin(), curve.points.end(), [](const CurvePoint& p) { return p.feature.step && p.row < 0; });
   if (step) line.across_mm = 0.5 * sampling.spacing;
   return line;
 }

@@ -40,8 +40,7 @@ void SamplingEstimator::add(const Profile& profile) {
     const std::size_t stride = std::max<std::size_t>(1, n / kLooks);
     scratch_.clear();
     for (std::size_t k = 0; k + 3 < n; k += stride)
-      scratch_.push_back(
-          std::abs(profile.w[k + 3] - 3.0 * profile.w[k + 2] + 3.0 * profile.w[k + 1] - profile.w[k]));
+      scratch_.push_back(std::abs(profile.w[k + 3] - 3.0 * profile.w[k + 2] + 3.0 * profile.w[k + 1] - profile.w[k]));
     noise_.add(1.4826 * median(scratch_) / std::sqrt(20.0));
     scratch_.clear();
     for (std::size_t k = 0; k + 1 < n; k += stride) scratch_.push_back(profile.s[k + 1] - profile.s[k]);

@@ -25,9 +25,9 @@ private:
 
 /// Lengths in mm.
 struct Sampling {
-  double noise = 0.0;   ///< sigma of a height
-  double pitch = 0.0;   ///< p: from sample to sample
-  double spacing = 0.0; ///< D: from line to line
+  double noise = 0.0;                                                               ///< sigma of a height
+  double pitch = 0.0;                                                               ///< p: from sample to sample
+  double spacing = 0.0;                                                             ///< D: from line to line
   [[nodiscard]] double coarse() const noexcept { return std::max(pitch, spacing); } ///< u
 };
 

@@ -42,10 +42,10 @@ struct Track {
   std::deque<TrackPoint> points;
   TrackMeans means;
   FeatureEnd begins = FeatureEnd::death, ends = FeatureEnd::death;
-  std::uint32_t misses = 0;       ///< in a row
+  std::uint32_t misses = 0; ///< in a row
   std::uint32_t guided_in_row = 0;
-  std::uint64_t near_id = 0;      ///< a longer track that runs beside it ...
-  std::uint32_t near_lines = 0;   ///< ... for so many lines in a row
+  std::uint64_t near_id = 0;    ///< a longer track that runs beside it ...
+  std::uint32_t near_lines = 0; ///< ... for so many lines in a row
   bool confirmed = false;
 
   [[nodiscard]] bool convex() const noexcept { return points.front().feature.convex(); }

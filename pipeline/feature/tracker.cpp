@@ -52,8 +52,8 @@ void Tracker::find_links(const Profile& profile, const std::vector<FeaturePoint>
     const Axis axis = axis_of(track, TrackEnd::back);
     const Expectation e = expect(axis, profile.c, sampling.pitch, sampling.noise, last.feature.sigma_s);
     expected_.push_back(e);
-    auto it = std::lower_bound(points.begin(), points.end(), e.q - e.gate_q,
-                               [](const FeaturePoint& p, double s) { return p.s < s; });
+    auto it =
+        std::lower_bound(points.begin(), points.end(), e.q - e.gate_q, [](const FeaturePoint& p, double s) { return p.s < s; });
     for (; it != points.end() && it->s <= e.q + e.gate_q; ++it)
       if (const auto cost = link_cost(track, last.feature, e, *it, it->s, it->w, linking_))
         links_.push_back({*cost, t, static_cast<std::uint32_t>(it - points.begin())});
@@ -134,7 +134,10 @@ void Tracker::miss(const Profile& profile, std::int64_t step, const Sampling& sa
     if (track.misses <= limit && !out_of_reach) continue;
     const double place = expected_[t].q, edge = 4.0 * sampling.pitch;
     const bool at_border = profile.size() == 0 || place < low + edge || place > high - edge;
-    end(track, out_of_reach && track.misses <= limit ? FeatureEnd::gap : at_border ? FeatureEnd::border : FeatureEnd::death,
+    end(track,
+        out_of_reach && track.misses <= limit ? FeatureEnd::gap
+        : at_border                           ? FeatureEnd::border
+                                              : FeatureEnd::death,
         ended);
   }
 }

@@ -43,9 +43,9 @@ private:
   std::uint64_t next_id_ = 1;
   std::vector<Expectation> expected_;
   std::vector<Link> links_;
-  std::vector<std::int32_t> point_of_;          // a track's new point, or -1
-  std::vector<bool> taken_;                     // points
-  std::vector<std::uint32_t> order_;            // scratch: live tracks by place
+  std::vector<std::int32_t> point_of_; // a track's new point, or -1
+  std::vector<bool> taken_;            // points
+  std::vector<std::uint32_t> order_;   // scratch: live tracks by place
 };
 
 } // namespace scansion

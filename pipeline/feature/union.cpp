@@ -64,8 +64,8 @@ void Union::decide(std::span<Track* const> tracks, double settled, const Samplin
   const auto index = [](const Near& n) {
     // The place of a point in its track: tracks run in ascending r.
     const auto& points = n.track->points;
-    const auto it = std::lower_bound(points.begin(), points.end(), n.point->r,
-                                     [](const TrackPoint& p, double r) { return p.r < r; });
+    const auto it =
+        std::lower_bound(points.begin(), points.end(), n.point->r, [](const TrackPoint& p, double r) { return p.r < r; });
     return static_cast<std::size_t>(it - points.begin());
   };
   for (const Near& n : lengthwise_) {

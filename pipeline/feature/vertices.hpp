@@ -10,7 +10,7 @@ namespace scansion {
 
 /// The triplet of a point (paper, section 5): neighbours are the nearest points ranked at least half as high.
 struct Vertex {
-  std::uint32_t k = 0;               ///< sample
+  std::uint32_t k = 0;                 ///< sample
   std::uint32_t before = 0, after = 0; ///< samples
 };
 
