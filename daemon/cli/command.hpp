@@ -32,6 +32,7 @@ struct Verb {
 [[nodiscard]] Verb add_recover(CLI::App& root);
 [[nodiscard]] Verb add_compare(CLI::App& root);
 [[nodiscard]] Verb add_status(CLI::App& root);
+[[nodiscard]] Verb add_devices(CLI::App& root);
 [[nodiscard]] Verb add_completion(CLI::App& root);
 
 /// One line on standard error, with the program's name in front.

@@ -13,7 +13,8 @@ Result<void> RawTap::open_transcript() {
   if (path_.empty() || file_) return success();
   UniqueFd file(::open(path_.c_str(), O_RDWR | O_APPEND | O_CREAT | O_CLOEXEC | O_NOCTTY, 0640));
   if (!file) return system_error(path_ + ": cannot write the transcript", errno);
-  if (::flock(file.get(), LOCK_EX | LOCK_NB) != 0) return fail(Errc::unavailable, path_, ": is being written by another device");
+  if (::flock(file.get(), LOCK_EX | LOCK_NB) != 0)
+    return fail(Errc::unavailable, path_, ": is being written by another device");
   const off_t end = ::lseek(file.get(), 0, SEEK_END);
   char last = '\n';
   if (end > 0 && ::pread(file.get(), &last, 1, end - 1) != 1) return system_error(path_ + ": cannot be read", errno);

@@ -123,7 +123,8 @@ private:
   Result<void> open_with_termios(const char* path) {
     UniqueFd fd(::open(path, O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
     if (!fd) return cannot_open(errno);
-    if (::isatty(fd.get()) != 1) return fail(Errc::unavailable, name(), ": is no serial port; for a file or FIFO use the key file");
+    if (::isatty(fd.get()) != 1)
+      return fail(Errc::unavailable, name(), ": is no serial port; for a file or FIFO use the key file");
     if (!make_raw(fd.get(), baud_)) return cannot_open(errno);
     fd_ = std::move(fd);
     return success();
@@ -131,8 +132,9 @@ private:
 
   Error cannot_open(int reason) const {
     if (reason == EACCES || reason == EPERM) {
-      return make_error(Errc::permission, {name(), ": permission denied; add the user to the group that owns the port (dialout), "
-                                                   "see `scansion devices`"});
+      return make_error(Errc::permission,
+                        {name(), ": permission denied; add the user to the group that owns the port (dialout), "
+                                 "see `scansion devices`"});
     }
     if (reason == EBUSY) return make_error(Errc::unavailable, {name(), ": is in use by another program"});
     Error error = system_error(name(), reason);

@@ -1,0 +1,275 @@
+# Hokuyo scanners: simulator -> daemon -> recording, on a pseudo terminal and on TCP, undisturbed and disturbed.
+# SPDX-License-Identifier: Apache-2.0
+"""Needs SCANSIOND, SCANSION and SCANSIM. SCANSION_LONG=1: 200 unplugs instead of 4, more noise."""
+import json
+import math
+import os
+import random
+import signal
+import subprocess
+import time
+import unittest
+
+from harness import DAEMON, DaemonTest, TOOL
+
+SIM = os.environ.get("SCANSIM")
+LONG = os.environ.get("SCANSION_LONG") == "1"
+STANDOFF = 300.0
+
+
+class Simulator:
+    """scansim scip, on a link or a TCP port of its own."""
+
+    def __init__(self, test, scan, *options, tcp=False):
+        self.link = os.path.join(test.folder, "tty")
+        where = ["--tcp", "127.0.0.1:0"] if tcp else ["--pty", self.link]
+        self.log = open(os.path.join(test.folder, "sim.txt"), "a+")
+        self.process = subprocess.Popen([SIM, "scip", "--scan", scan, *where, *options], stderr=subprocess.PIPE, text=True)
+        line = self.process.stderr.readline()  # "scansim: scip on tcp 127.0.0.1:PORT"
+        test.assertIn("scip on", line)
+        self.address = line.split()[-1] if tcp else None
+        test.addCleanup(self.stop)
+
+    def device(self, **options):
+        way = {"tcp": self.address} if self.address else {"port": self.link}
+        return {"name": "d", "driver": "hokuyo-scip", **way, **options}
+
+    def stop(self):
+        if self.process.poll() is None:
+            self.process.terminate()
+            self.process.wait(10)
+        self.process.stderr.close()
+        self.log.close()
+
+
+def part(lines):
+    """A bump that moves: what a plate with it looks like, and the distances a sensor over its middle must see."""
+    scan = []
+    for line in range(lines):
+        centre = -80.0 + 160.0 * line / max(1, lines - 1)
+        scan.append([(-100.0, 0.0), (centre - 15.0, 0.0), (centre, 12.0), (centre + 15.0, 0.0), (100.0, 0.0)])
+    return scan
+
+
+def seen(profile, top=12.0):
+    """By hand and apart from the simulator: for each step the nearest crossing of its ray with the profile, whole mm."""
+    out = {}
+    for step in range(1081):
+        angle = 2 * math.pi * (step - 540) / 1440
+        sine, cosine = math.sin(angle), math.cos(angle)
+        if cosine <= 1e-9:
+            continue
+        best = None
+        for (x1, z1), (x2, z2) in zip(profile, profile[1:]):
+            # x = r sin, z = H - r cos on the line from 1 to 2.
+            denominator = sine * (z2 - z1) + cosine * (x2 - x1)
+            if abs(denominator) < 1e-12:
+                continue
+            height = top + STANDOFF
+            r = ((x1 * (z2 - z1)) + (height - z1) * (x2 - x1)) / denominator
+            x = r * sine
+            if r > 0 and min(x1, x2) - 1e-9 <= x <= max(x1, x2) + 1e-9:
+                best = r if best is None else min(best, r)
+        if best is not None:
+            out[step] = best
+    return out
+
+
+class ScipTest(DaemonTest):
+    def setUp(self):
+        super().setUp()
+        if not (SIM and TOOL):
+            self.skipTest("SCANSIM and SCANSION are not given")
+
+    def write_part(self, lines):
+        path = os.path.join(self.folder, "part.xyz")
+        with open(path, "w") as file:
+            for number, profile in enumerate(part(lines)):
+                file.write("".join(f"{x:.3f} {number} {z:.3f}\n" for x, z in profile) + "\n")
+        return path
+
+    def points(self, path):
+        result = subprocess.run([TOOL, "export", path, "--format", "xyz", "-o", "-"], capture_output=True, text=True, check=True)
+        lines = []
+        for block in result.stdout.split("\n\n"):
+            rows = [tuple(map(float, row.split())) for row in block.splitlines() if row and not row.startswith("#")]
+            if rows:
+                lines.append(rows)
+        return lines
+
+    def info(self, path):
+        return json.loads(subprocess.run([TOOL, "info", path, "--json"], capture_output=True, text=True, check=True).stdout)
+
+    def check_profile(self, rows, profile):
+        """Every step's range is the profile's, to the half millimetre that the sensor rounds away (and the micrometre of the file)."""
+        want = seen(profile)
+        got = {}
+        for x, _, z in rows:
+            r = math.hypot(x, z)
+            step = round(540 + math.atan2(x, -z) / (2 * math.pi) * 1440)
+            self.assertAlmostEqual(r, round(r), delta=0.011, msg="a whole number of millimetres")
+            got[step] = round(r)
+        edge = {min(want), max(want)}
+        self.assertEqual(set(got) - edge, set(want) - edge)
+        for step, r in got.items():
+            if step in want:
+                self.assertLessEqual(abs(r - want[step]), 0.501, f"step {step}")
+
+    def run_whole(self, tcp, rate, lines):
+        scan = self.write_part(lines)
+        sim = Simulator(self, scan, "--rate", rate, tcp=tcp)
+        raw = os.path.join(self.folder, "d.raw")
+        daemon = self.daemon([sim.device(raw=raw, spacing=1.0)]).start()
+        daemon.until_written(lines)
+        daemon.stop(self)
+        (path,) = [f for f in daemon.files() if f.endswith(".mcap")]
+        self.check_sound(path)
+        recorded = self.points(path)
+        self.assertEqual(len(recorded), lines)
+        self.assertEqual(self.info(path)["gaps"], 0)
+        for number, (rows, profile) in enumerate(zip(recorded, part(lines))):
+            self.assertTrue(all(abs(y - number) < 1e-6 for _, y, _ in rows))
+            self.check_profile(rows, profile)
+        return raw, path
+
+    def test_everything_arrives_at_the_device_rate_and_the_transcript_gives_the_same_bytes(self):
+        for tcp in (False, True):
+            with self.subTest(tcp=tcp):
+                self.setUp()
+                raw, path = self.run_whole(tcp, "40", 60)
+                again = self.daemon([{"name": "d", "driver": "hokuyo-scip", "transcript": raw, "spacing": 1.0}],
+                                    directory=os.path.join(self.folder, "again")).start()
+                again.until_state("finished")
+                again.stop(self)
+                (played,) = [f for f in again.files() if f.endswith(".mcap")]
+                with open(path, "rb") as one, open(played, "rb") as two:
+                    self.assertEqual(one.read(), two.read())
+                self.assertEqual(os.path.basename(path), os.path.basename(played))
+
+    def test_everything_arrives_at_maximum_speed(self):
+        for tcp in (False, True):
+            with self.subTest(tcp=tcp):
+                self.setUp()
+                self.run_whole(tcp, "max", 1000)
+
+    def test_noise_is_refused_and_counted(self):
+        scan = self.write_part(40)
+        for rate in ("1e-4", "1e-3") + (("3e-3",) if LONG else ()):
+            with self.subTest(rate=rate):
+                self.setUp()
+                scan = self.write_part(40)
+                sim = Simulator(self, scan, "--rate", "400", "--loop", "--fault", f"flip:at=1,rate={rate}", "--fault",
+                                f"drop:at=1,rate={rate}", "--fault", "duplicate:at=1,rate=0.01")
+                daemon = self.daemon([sim.device(start=530, end=550)]).start()
+                daemon.until(lambda: daemon.device()["lines"] > 1500, "1500 lines")
+                link = daemon.device()["link"]
+                self.assertEqual(link["frames"], link["accepted"] + sum(link["rejected"].values()))
+                self.assertGreater(sum(link["rejected"].values()), 0)
+                daemon.stop(self)
+                allowed = [{round(r) for r in seen(p).values()} for p in part(40)]
+                anything = set().union(*allowed)
+                for path in daemon.files():
+                    if path.endswith(".mcap"):
+                        for rows in self.points(path):
+                            self.assertTrue(all(round(math.hypot(x, z)) in anything for x, _, z in rows))
+                sim.stop()
+
+    def test_unplugged_again_and_again(self):
+        turns = 200 if LONG else 4
+        scan = self.write_part(50)
+        sim = Simulator(self, scan, "--rate", "40", "--loop", "--seed", "5", "--fault",
+                        "unplug:at=1.5,for=0.7,every=3,jitter=0.3")
+        daemon = self.daemon([sim.device(start=500, end=580)]).start()
+        begin = None
+        slowest = {"gone": 0.0, "back": 0.0}
+        for turn in range(turns):
+            daemon.until_state("streaming")
+            daemon.until(lambda: not os.path.islink(sim.link), "unplugged")
+            gone = time.monotonic()
+            daemon.until(lambda: daemon.device()["state"] != "streaming", "the loss is noticed")
+            slowest["gone"] = max(slowest["gone"], time.monotonic() - gone)
+            daemon.until(lambda: os.path.islink(sim.link), "plugged in")
+            back = time.monotonic()
+            daemon.until_state("streaming")
+            slowest["back"] = max(slowest["back"], time.monotonic() - back)
+            if turn == 1:
+                begin = self.use_of(daemon)
+        end = self.use_of(daemon)
+        lines = daemon.device()["lines"]
+        daemon.until(lambda: daemon.device()["lines"] > lines, "lines come")
+        daemon.stop(self)
+        self.assertLess(slowest["gone"], 1.0)
+        self.assertLess(slowest["back"], 2.0)
+        self.assertLessEqual(end["descriptors"], begin["descriptors"] + 1)
+        if LONG:
+            self.assertLess(end["rss_kb"], begin["rss_kb"] * 1.2 + 4096)
+        recordings = [f for f in daemon.files() if f.endswith(".mcap")]
+        self.assertGreaterEqual(len(recordings), turns)
+        infos = [self.info(f) for f in recordings]
+        self.assertEqual([i["gaps"] for i in infos], [0] + [1] * (len(infos) - 1))
+        print(f"slowest of {turns}: noticed {slowest['gone'] * 1000:.0f} ms, back {slowest['back'] * 1000:.0f} ms; "
+              f"rss {begin['rss_kb']} -> {end['rss_kb']} kB, descriptors {begin['descriptors']} -> {end['descriptors']}")
+
+    def use_of(self, daemon):
+        folder = f"/proc/{daemon.process.pid}"
+        with open(folder + "/status") as status:
+            rss = next(int(row.split()[1]) for row in status if row.startswith("VmRSS"))
+        return {"descriptors": len(os.listdir(folder + "/fd")), "rss_kb": rss, "cpu_s": sum(os.times()[2:4])}
+
+    def cpu_s(self, daemon):
+        with open(f"/proc/{daemon.process.pid}/stat") as stat:
+            fields = stat.read().rsplit(")", 1)[1].split()
+        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+    def test_absent_device_costs_little_and_is_taken_when_it_comes(self):
+        link = os.path.join(self.folder, "tty")
+        daemon = self.daemon([{"name": "d", "driver": "hokuyo-scip", "port": link}]).start()
+        daemon.until_state("backing off")
+        before, begin = self.cpu_s(daemon), time.monotonic()
+        daemon.until(lambda: time.monotonic() - begin > 2.0, "two seconds")
+        self.assertLess((self.cpu_s(daemon) - before) / (time.monotonic() - begin), 0.05)
+        self.assertEqual(daemon.files(), [])
+        Simulator(self, self.write_part(5), "--rate", "40", "--loop")
+        came = time.monotonic()
+        daemon.until_state("streaming")
+        self.assertLess(time.monotonic() - came, 2.0)
+        daemon.stop(self)
+
+    def test_mute_device_goes_stale_and_recovers(self):
+        sim = Simulator(self, self.write_part(50), "--rate", "40", "--loop", "--fault", "mute:at=1.5,for=2.6")
+        daemon = self.daemon([sim.device(start=500, end=580)]).start()
+        daemon.until_state("streaming")
+        daemon.until_state("stale")
+        daemon.until_state("streaming")
+        daemon.until(lambda: daemon.device()["gaps"] == 1, "the gap is counted")
+        daemon.stop(self)
+        (path,) = [f for f in daemon.files() if f.endswith(".mcap")]
+        self.check_sound(path)
+
+    def test_starts_on_a_sensor_that_measures_already_and_on_an_old_mode(self):
+        for option in ("--streaming", "--scip1"):
+            with self.subTest(option=option):
+                self.setUp()
+                sim = Simulator(self, self.write_part(5), "--rate", "40", "--loop", option)
+                begin = time.monotonic()
+                daemon = self.daemon([sim.device()]).start()
+                daemon.until_written(10)
+                self.assertLess(time.monotonic() - begin, 5.0)
+                daemon.stop(self)
+
+    def test_raw_bytes_are_dumped_on_a_signal(self):
+        sim = Simulator(self, self.write_part(5), "--rate", "40", "--loop")
+        daemon = self.daemon([sim.device()]).start()
+        daemon.until_written(5)
+        daemon.signal(signal.SIGUSR1)
+        dump = os.path.join(daemon.directory, "d-dump.raw")
+        daemon.until(lambda: os.path.exists(dump), "the dump is there")
+        with open(dump) as file:
+            text = file.read()
+        self.assertTrue(text.startswith("# scansion raw transcript 1\n"))
+        self.assertIn("99b\\n", text)
+        daemon.stop(self)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
