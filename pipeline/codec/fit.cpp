@@ -97,16 +97,23 @@ WeightFit::Fitted WeightFit::solve() {
   if (rows_.empty()) return {};
   measure();
   const Normal normal = normal_of(nullptr, kWeights);
-  const Weights line = solve(normal, kLineWeights);
-  const Weights all = solve(normal, kWeights);
-  const std::uint64_t line_cost = cost(line, kLineWeights);
-  const std::uint64_t all_cost = cost(all, kWeights);
-  constexpr std::uint64_t kWorth = 128; // leaving the line before alone is faster on either side
-  const bool with_above = all_cost < line_cost - line_cost / kWorth;
-  const Weights& first = with_above ? all : line;
-  const std::size_t count = with_above ? kWeights : kLineWeights;
+  // The line alone, then with the points beside from their own chord, then from the chord here as well: each of them can be
+  // what spoils the fit. Leaving the line before alone is faster on either side, so little is given up for that.
+  constexpr std::uint64_t kWorth = 128;
+  std::size_t count = kLineWeights;
+  Weights first = solve(normal, count);
+  std::uint64_t first_cost = cost(first, count);
+  std::uint64_t limit = first_cost - first_cost / kWorth;
+  for (const std::size_t more : {kLineWeights + kBeside, kWeights}) {
+    const Weights weights = solve(normal, more);
+    const std::uint64_t now = cost(weights, more);
+    if (now >= limit) continue;
+    count = more;
+    first = weights;
+    first_cost = limit = now;
+  }
   const Weights second = solve(normal_of(&first, count), count);
-  return {cost(second, count) < (with_above ? all_cost : line_cost) ? second : first, with_above};
+  return {cost(second, count) < first_cost ? second : first, count > kLineWeights};
 }
 
 } // namespace scansion
