@@ -37,11 +37,12 @@ private:
 
   Result<DeviceFacts> handshake() override {
     SCANSION_TRY(stop_measuring());
-    SCANSION_TRY(ask("VV")); // a person finds it in the transcript
-    SCANSION_TRY(ask("PP"));
+    SCANSION_TRY(exchange("VV")); // a person finds it in the transcript
+    SCANSION_TRY(answered, exchange("PP"));
+    if (!answered) return fail(Errc::unavailable, port_name(), ": no answer to PP");
     SCANSION_TRY(sensor, named(scip::read_sensor(decoder_.reply().body)));
     sensor_ = sensor;
-    SCANSION_TRY(ask("II"));
+    SCANSION_TRY(exchange("II"));
     SCANSION_TRY(read_clock());
     SCANSION_TRY(light());
     SCANSION_TRY(measure());
@@ -86,35 +87,31 @@ private:
     }
   }
 
-  /// Sends a command and waits for the reply with its echo, which is then decoder_.reply(). Refusals are replies too.
-  Result<void> exchange(std::string_view command) {
+  /// Sends a command and waits for the reply with its echo, which is then decoder_.reply(). Refusals are replies too. False: no
+  /// answer, as from sensors that do not know the command.
+  Result<bool> exchange(std::string_view command) {
     for (int attempt = 0; attempt < 2; ++attempt) {
       SCANSION_TRY(send(std::string(command) + "\n"));
       const std::int64_t deadline = now().monotonic_ns + kAnswerNs;
       for (;;) {
         SCANSION_TRY(answered, await_reply(deadline));
         if (!answered) break;
-        if (decoder_.reply().echo == command) return success();
+        if (decoder_.reply().echo == command) return true;
       }
     }
-    return fail(Errc::unavailable, port_name(), ": no answer to ", command);
-  }
-
-  Result<void> ask(std::string_view command) {
-    SCANSION_TRY(exchange(command));
-    if (decoder_.reply().status == "00") return success();
-    return fail(Errc::unavailable, port_name(), ": the sensor refuses ", command, " with status ", decoder_.reply().status);
+    return false;
   }
 
   /// Where the sensor's clock stands, from the quickest of some exchanges. Sensors without clock mode do without.
   Result<void> read_clock() {
     clock_offset_ms_.reset();
-    SCANSION_TRY(exchange("TM0"));
-    if (decoder_.reply().status != "00" && decoder_.reply().status != "02") return success();
+    SCANSION_TRY(known, exchange("TM0"));
+    if (!known || (decoder_.reply().status != "00" && decoder_.reply().status != "02")) return success();
     std::int64_t quickest = kAnswerNs;
     for (int i = 0; i < kClockReadings; ++i) {
       const std::int64_t asked = arrived().monotonic_ns;
-      SCANSION_TRY(exchange("TM1"));
+      SCANSION_TRY(answered, exchange("TM1"));
+      if (!answered) continue;
       std::string_view body = decoder_.reply().body;
       const auto text = scip::take_summed(body);
       const auto clock = text && text->size() == 4 ? scip::decode_number(*text) : std::nullopt;
@@ -123,18 +120,19 @@ private:
       quickest = round_trip;
       clock_offset_ms_ = (asked + round_trip / 2) / kMs - *clock;
     }
-    return exchange("TM2");
+    SCANSION_TRY(left, exchange("TM2"));
+    return left ? Result<void>(success()) : fail(Errc::unavailable, port_name(), ": no answer to TM2");
   }
 
-  /// A cold laser is no error of the configuration: the session tries again.
+  /// A cold laser is no error of the configuration: the session tries again. A sensor that does not know BM lights its laser
+  /// when it is told to measure.
   Result<void> light() {
-    SCANSION_TRY(exchange("BM"));
-    const std::string_view status = decoder_.reply().status;
-    if (status == "00" || status == "02") return success();
+    SCANSION_TRY(answered, exchange("BM"));
+    const std::string_view status = answered ? decoder_.reply().status : "";
     if (status == "01" || status == "0M" || status == "0L") {
       return fail(Errc::unavailable, port_name(), ": the laser cannot be lit yet (warming up, or a fault)");
     }
-    return fail(Errc::unavailable, port_name(), ": the sensor refuses to light its laser, status ", status);
+    return success();
   }
 
   Result<void> measure() {

@@ -162,6 +162,18 @@ TEST_F(Scip, EveryRayMeetsThePlate) {
   EXPECT_EQ(seen, 473);
 }
 
+TEST_F(Scip, RestartsWhenToldTwice) {
+  device();
+  EXPECT_EQ(ask("RB\n", 0), "RB\n01Q\n\n");
+  EXPECT_EQ(ask("RB\n", 1100 * kMs), "RB\n01Q\n\n") << "too late";
+  EXPECT_FALSE(device_->drops_link());
+  device_->receive({reinterpret_cast<const std::uint8_t*>("RB\n"), 3}, 1200 * kMs);
+  EXPECT_FALSE(device_->drops_link()) << "the answer goes first";
+  EXPECT_EQ(heard(1200 * kMs), "RB\n00P\n\n");
+  EXPECT_TRUE(device_->drops_link());
+  EXPECT_FALSE(device_->drops_link());
+}
+
 TEST_F(Scip, OldModeKnowsOneCommand) {
   ScipPlan plan;
   plan.starts_in_scip1 = true;
