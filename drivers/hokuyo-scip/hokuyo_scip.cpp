@@ -29,8 +29,8 @@ std::string number(std::int32_t value, int width) {
 
 class HokuyoScip final : public PortDriver {
 public:
-  HokuyoScip(scip::Options options, std::unique_ptr<Transport> transport, std::shared_ptr<RawRing> ring)
-      : PortDriver(std::move(transport), std::move(ring)), options_(std::move(options)), decoder_(counters()) {}
+  HokuyoScip(const scip::Options& options, std::unique_ptr<Transport> transport, std::shared_ptr<RawRing> ring)
+      : PortDriver(std::move(transport), std::move(ring)), options_(options), decoder_(counters()) {}
 
 private:
   Decoder& decoder() noexcept override { return decoder_; }
@@ -253,7 +253,7 @@ Result<std::unique_ptr<Driver>> make(const OptionValues& values) {
   SCANSION_TRY(options, scip::read_options(values));
   auto ring = std::make_shared<RawRing>();
   SCANSION_TRY(transport, make_transport(values, scip::kScipKinds, ring));
-  return std::unique_ptr<Driver>(std::make_unique<HokuyoScip>(std::move(options), std::move(transport), std::move(ring)));
+  return std::unique_ptr<Driver>(std::make_unique<HokuyoScip>(options, std::move(transport), std::move(ring)));
 }
 
 } // namespace

@@ -4,6 +4,7 @@
 
 #include "drivers/hokuyo-scip/scip_text.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 

@@ -9,10 +9,13 @@
 #include <cstdlib>
 #include <fcntl.h>
 #include <libserialport.h>
+#include <memory>
+#include <optional>
 #include <sys/file.h>
 #include <sys/ioctl.h>
 #include <termios.h>
 #include <unistd.h>
+#include <utility>
 
 namespace scansion {
 namespace {

@@ -7,6 +7,9 @@
 #include <algorithm>
 #include <cerrno>
 #include <fstream>
+#include <memory>
+#include <optional>
+#include <vector>
 
 namespace scansion {
 namespace {
