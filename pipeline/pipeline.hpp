@@ -48,12 +48,14 @@ private:
   std::vector<double> scratch_;
 };
 
-/// All of it for one device on one thread: rank, calibrate, encode.
+/// All of it for one device on one thread: rank, calibrate, encode, and find feature lines.
 class Pipeline {
 public:
   Pipeline(const LevelSpec& levels, Rational resolution_mm, std::uint32_t stream)
       : ranker_(resolution_mm), calibrator_(levels), stream_(stream) {}
   void process(const LineGroup& group, EncodedGroup& out);
+  /// D and depth of the points of the group processed last.
+  [[nodiscard]] const GroupRanks& ranks() const noexcept { return ranks_; }
 
 private:
   Ranker ranker_;

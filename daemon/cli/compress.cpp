@@ -3,6 +3,7 @@
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/group_workers.hpp"
 #include "pipeline/codec/crc32c.hpp"
+#include "pipeline/feature/feature_stage.hpp"
 #include "pipeline/import/import.hpp"
 #include "pipeline/record/writer.hpp"
 
@@ -20,9 +21,10 @@ struct Options {
   std::string output, format = "auto", unit = "mm", resolution = "auto", levels = "geometric:3", columns, grid = "cols",
                       features = "on";
   std::string device = "file";
-  double gap = 0.0, spacing = 1.0;
+  std::string linking = "soft";
+  double gap = 0.0, spacing = 1.0, noise = 0.0, noise_correlation = 1.0;
   unsigned threads = 0;
-  bool has_gap = false, json = false, force = false;
+  bool has_gap = false, has_noise = false, json = false, force = false;
 };
 
 struct Totals {
@@ -67,6 +69,47 @@ std::uint32_t stream_id(const RecordingFacts& facts) {
   return crc32c(0, std::as_bytes(std::span(text)));
 }
 
+FeatureSettings feature_settings(const Options& o) {
+  FeatureSettings settings;
+  settings.linking = o.linking == "paper" ? Linking::paper : Linking::soft;
+  if (o.has_noise) settings.noise_mm = o.noise;
+  settings.noise_correlation = o.noise_correlation;
+  return settings;
+}
+
+/// Feature lines beside the groups, in their order.
+class FeatureRecorder {
+public:
+  FeatureRecorder(const Options& o, const Lattice& lattice) {
+    if (o.features == "on") stage_.emplace(lattice, feature_settings(o));
+  }
+  Result<void> add(const LineGroup& group, const GroupRanks& ranks, std::uint64_t log_time_ns, RecordingWriter& writer) {
+    if (!stage_) return success();
+    const std::int64_t start = thread_time_ns();
+    report_.group = group.number;
+    log_time_ns_ = log_time_ns;
+    stage_->add(group, ranks.distance, report_);
+    auto written = report_.empty() ? Result<void>(success()) : writer.append(report_, log_time_ns);
+    ns_ += thread_time_ns() - start;
+    return written;
+  }
+  Result<void> finish(RecordingWriter& writer) {
+    if (!stage_) return success();
+    const std::int64_t start = thread_time_ns();
+    stage_->finish(report_);
+    auto written = writer.append(report_, log_time_ns_);
+    ns_ += thread_time_ns() - start;
+    return written;
+  }
+  [[nodiscard]] std::int64_t ns() const noexcept { return ns_; }
+
+private:
+  std::optional<FeatureStage> stage_;
+  FeatureReport report_;
+  std::uint64_t log_time_ns_ = 0;
+  std::int64_t ns_ = 0;
+};
+
 class Compression {
 public:
   Compression(const Options& options, LevelSpec levels) : options_(options), levels_(std::move(levels)) {}
@@ -90,6 +133,7 @@ RecordingFacts Compression::facts(const Importer& importer) const {
   facts.level_count = levels_.count;
   facts.stored_levels = levels_.count + 1;
   if (options_.has_gap) facts.gap_mm = options_.gap;
+  facts.features = options_.features == "on";
   facts.stream = stream_id(facts);
   return facts;
 }
@@ -119,20 +163,25 @@ Result<Totals> Compression::write(Importer& importer, const std::string& path) {
   const RecordingFacts facts = this->facts(importer);
   SCANSION_TRY(resolution, resolution_mm(facts.lattice));
   SCANSION_TRY(writer, RecordingWriter::create(path, facts));
+  FeatureRecorder features(options_, facts.lattice);
   GroupWorkers workers(options_.threads, levels_, resolution, facts.stream,
-                       [&](const LineGroup& group, const EncodedGroup& encoded) {
+                       [&](const LineGroup& group, const GroupRanks& ranks, const EncodedGroup& encoded) -> Result<void> {
                          std::uint64_t invalid = 0;
                          for (const ScanLine& line : group.lines) invalid += line.invalid_after;
                          for (const scansion::Run& run : group.runs) invalid += run.invalid_before;
-                         return writer.append(encoded, group.points(), group.runs.size(), invalid);
+                         SCANSION_TRY(writer.append(encoded, group.points(), group.runs.size(), invalid));
+                         return features.add(group, ranks, encoded.last_time_ns, writer);
                        });
   SCANSION_TRY(pump(importer, workers, totals));
+  const std::int64_t in_commits = features.ns();
+  SCANSION_TRY(features.finish(writer));
   const std::int64_t start = thread_time_ns();
   SCANSION_TRY(writer.finish(std::nullopt, importer.counts().rounding_mm));
   const std::int64_t read = totals.times.read;
   totals.times = workers.times();
   totals.times.read = read;
-  totals.times.write += thread_time_ns() - start;
+  totals.times.write += thread_time_ns() - start - in_commits;
+  totals.times.features = features.ns();
   totals.lines = writer.totals().lines;
   totals.points = writer.totals().points;
   totals.invalid = writer.totals().invalid;
@@ -158,7 +207,7 @@ void report(const Options& o, const Totals& t) {
                                          {{"read", per_point(t.times.read)},
                                           {"rank", per_point(t.times.rank)},
                                           {"encode", per_point(t.times.encode)},
-                                          {"features", 0.0},
+                                          {"features", per_point(t.times.features)},
                                           {"write", per_point(t.times.write)}}}};
     std::printf("%s\n", out.dump().c_str());
     return;
@@ -217,8 +266,18 @@ Verb add_compress(CLI::App& root) {
   auto* gap = app->add_option("--gap", o->gap, "A step longer than this many mm starts a new run")->check(CLI::PositiveNumber);
   app->add_option("--levels", o->levels, "geometric:N[:RATIO], uniform:N[:DMAX] or explicit:T1,T2,... in mm")
       ->capture_default_str();
-  app->add_option("--features", o->features, "Feature lines beside the points (this version finds none)")
+  app->add_option("--features", o->features, "Find feature lines and patches")
       ->check(CLI::IsMember({"on", "off"}))
+      ->capture_default_str();
+  app->add_option("--linking", o->linking, "How points are linked to feature lines: soft, or paper (equality of all classes)")
+      ->check(CLI::IsMember({"soft", "paper"}))
+      ->capture_default_str();
+  auto* noise =
+      app->add_option("--noise", o->noise, "Sigma of the heights in mm, measured on a flat target (default: estimated)")
+          ->check(CLI::PositiveNumber);
+  app->add_option("--noise-correlation", o->noise_correlation,
+                  "The estimate of the noise is multiplied by this; 3 for laser triangulation")
+      ->check(CLI::PositiveNumber)
       ->capture_default_str();
   app->add_option("--threads", o->threads,
                   "Threads for ranking and coding, up to 16; 0: one per processor. Never changes the output")
@@ -234,8 +293,9 @@ Verb add_compress(CLI::App& root) {
   app->add_option("--device", o->device, "Name of the device in the recording")->capture_default_str();
   app->add_flag("--force", o->force, "Replace an existing output");
   app->add_flag("--json", o->json, "Print the figures as JSON");
-  return {app, [o, gap] {
+  return {app, [o, gap, noise] {
             o->has_gap = gap->count() > 0;
+            o->has_noise = noise->count() > 0;
             return compress(*o);
           }};
 }

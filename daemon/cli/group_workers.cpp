@@ -76,7 +76,7 @@ Result<void> GroupWorkers::advance(const Slot* need, bool all) {
     } else if (committed_ < calibrated_ && to_commit.state == State::encoded) {
       lock.unlock();
       const std::int64_t start = thread_time_ns();
-      SCANSION_TRY(commit_(to_commit.group, to_commit.encoded));
+      SCANSION_TRY(commit_(to_commit.group, to_commit.ranks, to_commit.encoded));
       times_.write += thread_time_ns() - start;
       times_.rank += to_commit.rank_ns;
       times_.encode += to_commit.encode_ns;
@@ -101,7 +101,7 @@ Result<void> GroupWorkers::push(LineGroup& group) {
     times_.rank += slot.rank_ns;
     times_.encode += slot.encode_ns;
     const std::int64_t start = thread_time_ns();
-    SCANSION_TRY(commit_(slot.group, slot.encoded));
+    SCANSION_TRY(commit_(slot.group, slot.ranks, slot.encoded));
     times_.write += thread_time_ns() - start;
     return success();
   }

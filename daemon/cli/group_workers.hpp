@@ -14,7 +14,7 @@ namespace scansion::cli {
 
 /// Processor time by stage, in ns, summed over threads.
 struct StageTimes {
-  std::int64_t read = 0, rank = 0, encode = 0, write = 0;
+  std::int64_t read = 0, rank = 0, encode = 0, features = 0, write = 0;
 };
 
 /// Processor time of the calling thread in ns.
@@ -26,7 +26,8 @@ inline constexpr unsigned kMostThreads = 16;
 /// Thread-bound to its creator except for its own workers. With one thread everything runs in the caller.
 class GroupWorkers {
 public:
-  using Commit = std::function<Result<void>(const LineGroup&, const EncodedGroup&)>;
+  /// In the order of the groups, on the caller's thread.
+  using Commit = std::function<Result<void>(const LineGroup&, const GroupRanks&, const EncodedGroup&)>;
 
   GroupWorkers(unsigned threads, const LevelSpec& levels, Rational resolution_mm, std::uint32_t stream, Commit commit);
   ~GroupWorkers();

@@ -1,11 +1,12 @@
 // scansion info: what a recording holds.
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/cli/command.hpp"
-#include "pipeline/record/reader.hpp"
+#include "pipeline/record/findings.hpp"
 
 #include <cmath>
 #include <cstdio>
 #include <ctime>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -23,7 +24,23 @@ struct Summary {
   std::vector<double> tolerances; ///< of the last epoch
   std::vector<std::vector<double>> epochs;
   double left_out_coarsest = 0.0;
+  std::array<std::uint64_t, kFeatureTypes> features{}; ///< lines by type
+  std::uint64_t feature_lines = 0, patches = 0;
+  double feature_mm = 0.0;
+  std::map<std::string_view, std::uint64_t> forms;
 };
+
+Result<void> count_findings(RecordingReader& reader, Summary& s) {
+  SCANSION_TRY(found, read_findings(reader));
+  for (const FeatureLine& line : found.lines) {
+    s.features[static_cast<std::size_t>(line.type)] += 1;
+    s.feature_mm += line.length_mm;
+  }
+  s.feature_lines = found.lines.size();
+  s.patches = found.patches.size();
+  for (const Form& form : found.forms) s.forms[name(form.kind)] += 1;
+  return success();
+}
 
 // Reads headers and line tables only: the points stay where they are.
 Result<Summary> summarize(RecordingReader& reader) {
@@ -52,6 +69,7 @@ Result<Summary> summarize(RecordingReader& reader) {
     if (s.epochs.empty() || decoded.alpha.epoch != epoch || s.epochs.back() != tolerances) s.epochs.push_back(tolerances);
     s.tolerances = std::move(tolerances);
   }
+  SCANSION_TRY(count_findings(reader, s));
   return s;
 }
 
@@ -76,6 +94,10 @@ nlohmann::ordered_json to_json(const RecordingReader& reader, const Summary& s, 
   for (const Gap& gap : reader.gaps())
     gaps.push_back(
         {{"first", gap.first}, {"count", gap.count ? ordered_json(*gap.count) : ordered_json()}, {"reason", gap.reason}});
+  ordered_json by_type = ordered_json::object();
+  for (std::size_t k = 0; k < kFeatureTypes; ++k) by_type[std::string(name(static_cast<FeatureType>(k)))] = s.features[k];
+  ordered_json forms = ordered_json::object();
+  for (const auto& [kind, count] : s.forms) forms[std::string(kind)] = count;
   const double points = s.points == 0 ? 1.0 : static_cast<double>(s.points);
   return {{"lines", s.lines},
           {"points", s.points},
@@ -94,8 +116,11 @@ nlohmann::ordered_json to_json(const RecordingReader& reader, const Summary& s, 
           {"bytes", reader.bytes()},
           {"bits_per_point", static_cast<double>(reader.bytes()) * 8.0 / points},
           {"groups", reader.groups().size()},
-          {"features", 0},
-          {"patches", 0},
+          {"features", s.feature_lines},
+          {"features_by_type", by_type},
+          {"feature_mm", std::round(s.feature_mm * 1000) / 1000},
+          {"patches", s.patches},
+          {"forms", forms},
           {"device", facts.device},
           {"started", optional_time(facts.started_ns)},
           {"ended", reader.end() ? optional_time(reader.end()->ended_ns) : ordered_json()},
@@ -127,6 +152,17 @@ void print_text(const RecordingReader& reader, const Summary& s, double resoluti
   }
   const double bits = s.points == 0 ? 0.0 : static_cast<double>(reader.bytes()) * 8.0 / static_cast<double>(s.points);
   row("size", std::to_string(reader.bytes()) + " bytes, " + number(std::round(bits * 1000) / 1000) + " bit/point");
+  if (facts.features) {
+    std::string text = std::to_string(s.feature_lines) + " lines, " + number(std::round(s.feature_mm * 10) / 10) + " mm";
+    for (std::size_t k = 0; k < kFeatureTypes; ++k) {
+      if (s.features[k] > 0)
+        text += ", " + std::to_string(s.features[k]) + " " + std::string(name(static_cast<FeatureType>(k)));
+    }
+    row("features", text);
+    text = std::to_string(s.patches);
+    for (const auto& [kind, count] : s.forms) text += ", " + std::to_string(count) + " " + std::string(kind);
+    row("patches", text);
+  }
   if (facts.started_ns) row("started", time_text(*facts.started_ns));
   if (reader.end() && reader.end()->ended_ns) row("ended", time_text(*reader.end()->ended_ns));
   for (const Gap& gap : reader.gaps())

@@ -56,13 +56,10 @@ Result<int> run_recover(const Options& o) {
   SCANSION_TRY(r, recover(o.recording, pending.name()));
   SCANSION_TRY(pending.commit());
   if (o.json) {
-    const nlohmann::ordered_json out = {{"groups", r.groups},
-                                        {"lines", r.lines},
-                                        {"points", r.points},
-                                        {"bytes_skipped", r.bytes_skipped},
-                                        {"lost", to_json(r.lost)},
-                                        {"tail_lost", r.tail_lost},
-                                        {"anything_lost", r.anything_lost()}};
+    const nlohmann::ordered_json out = {{"groups", r.groups},         {"lines", r.lines},
+                                        {"points", r.points},         {"bytes_skipped", r.bytes_skipped},
+                                        {"lost", to_json(r.lost)},    {"tail_lost", r.tail_lost},
+                                        {"notes_lost", r.notes_lost}, {"anything_lost", r.anything_lost()}};
     std::printf("%s\n", out.dump(2).c_str());
   } else {
     std::printf("%s: %llu groups, %llu lines, %llu points brought back; the output is verified\n", o.output.c_str(),
@@ -70,6 +67,8 @@ Result<int> run_recover(const Options& o) {
                 static_cast<unsigned long long>(r.points));
     if (r.bytes_skipped > 0) std::printf("  %llu bytes could not be used\n", static_cast<unsigned long long>(r.bytes_skipped));
     if (!r.lost.empty()) std::printf("  lines lost: %s\n", ranges(r.lost).c_str());
+    if (r.notes_lost && r.lost.empty() && !r.tail_lost)
+      std::printf("  no line is lost, but what was said about feature lines, patches or gaps is not complete\n");
     if (r.tail_lost) std::printf("  lines after the last whole group are lost; their number cannot be known\n");
   }
   return r.anything_lost() ? kBadAnswer : kDone;

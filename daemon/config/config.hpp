@@ -3,8 +3,10 @@
 #pragma once
 
 #include "drivers/registry.hpp"
+#include "pipeline/feature/settings.hpp"
 #include "pipeline/model/alpha_set.hpp"
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -24,8 +26,10 @@ struct RecordingConfig {
 
 struct DeviceConfig {
   std::string name;
-  const DriverInfo* driver = nullptr; ///< never null in a loaded configuration
-  OptionValues options;               ///< the driver's own keys
+  const DriverInfo* driver = nullptr;      ///< never null in a loaded configuration
+  OptionValues options;                    ///< the driver's own keys
+  OptionValues common;                     ///< the keys of every device, as checked
+  std::optional<FeatureSettings> features; ///< empty: none are looked for
 
   friend bool operator==(const DeviceConfig&, const DeviceConfig&) = default;
 };

@@ -169,6 +169,15 @@ void read_section(const toml::table& root, const Section& section, Problems& pro
   read_table(table, section.options, problems, out);
 }
 
+std::optional<FeatureSettings> feature_settings(const OptionValues& common) {
+  if (!common.flag("features")) return std::nullopt;
+  FeatureSettings settings;
+  settings.linking = common.text("linking") == "paper" ? Linking::paper : Linking::soft;
+  settings.noise_mm = common.get<double>("noise");
+  settings.noise_correlation = common.get<double>("noise_correlation").value_or(settings.noise_correlation);
+  return settings;
+}
+
 /// name and driver are looked up first: the other keys are those of the driver.
 void read_device(const toml::table& table, Problems& problems, std::vector<DeviceConfig>& out) {
   const auto& common = device_section().options;
@@ -192,6 +201,8 @@ void read_device(const toml::table& table, Problems& problems, std::vector<Devic
     problems.add(name->source(), "a second device is called ", shown(device.name), "; names must be unique");
   }
   if (!problems.any()) {
+    device.features = feature_settings(head);
+    device.common = head;
     if (auto made = driver->make(device.options); !made) problems.add(table.source(), made.assume_error().context);
   }
   out.push_back(std::move(device));

@@ -88,10 +88,7 @@ void print_section(const Section& section, const OptionValues& values, std::stri
 void print_device(const DeviceConfig& device, std::string& out) {
   out.append("[[device]]\n");
   const auto& common = device_section().options;
-  const OptionValue name = device.name;
-  const OptionValue driver = std::string(device.driver->name);
-  print_key(common[0], &name, "", out);
-  print_key(common[1], &driver, "", out);
+  for (const Option& option : common) print_key(option, device.common.find(option.key), "", out);
   for (const Option& option : device.driver->options) print_key(option, device.options.find(option.key), "", out);
   out += '\n';
 }
@@ -102,8 +99,8 @@ void print_example(const DriverInfo& info, std::size_t number, std::string& out)
   const auto& common = device_section().options;
   const OptionValue driver = std::string(info.name);
   const OptionValue name = "table-" + std::to_string(number);
-  print_key(common[0], &name, "#", out);
-  print_key(common[1], &driver, "#", out);
+  for (const Option& option : common)
+    print_key(option, option.key == "name" ? &name : option.key == "driver" ? &driver : nullptr, "#", out);
   for (const Option& option : info.options) print_key(option, nullptr, option.alternative ? "##" : "#", out);
   out += '\n';
 }

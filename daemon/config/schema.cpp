@@ -39,6 +39,11 @@ Result<void> check_name(std::string_view text) {
   return success();
 }
 
+Result<void> check_linking(std::string_view text) {
+  if (text == "soft" || text == "paper") return success();
+  return fail(Errc::config, "is none of soft, paper");
+}
+
 Result<void> check_driver(std::string_view text) {
   if (find_driver(text) != nullptr) return success();
   std::string known;
@@ -121,6 +126,26 @@ const Section& device_section() noexcept {
        .check = check_name,
        .example = "\"table-1\""},
       {.key = "driver", .meaning = "how to talk to the device", .required = true, .check = check_driver},
+      {.key = "features",
+       .type = OptionType::flag,
+       .standard = true,
+       .meaning = "look for feature lines and patches while recording"},
+      {.key = "linking",
+       .standard = "soft",
+       .meaning = "how points are linked to feature lines: soft, or paper (equality of all classes)",
+       .check = check_linking},
+      {.key = "noise",
+       .type = OptionType::number,
+       .meaning = "sigma of the heights in mm, measured once on a flat target; without it estimated line by line",
+       .min = 1e-6,
+       .max = 1e6,
+       .example = "0.02"},
+      {.key = "noise_correlation",
+       .type = OptionType::number,
+       .standard = 1.0,
+       .meaning = "the estimate of the noise is multiplied by this; 3 for laser triangulation",
+       .min = 0.1,
+       .max = 100},
   };
   static const Section section{"device", "One table a device.", rows};
   return section;

@@ -56,12 +56,14 @@ Result<void> RunRecorder::open_file() {
     const std::string path = ports_.directory.file_path(facts_.device, begun, next_number_);
     facts_.started_ns = begun;
     facts_.stream = crc32c(0, std::as_bytes(std::span(path).subspan(ports_.directory.path().size())));
+    facts_.features = settings_.features.has_value();
     auto sink = ports_.open(path, facts_);
     if (!sink && sink.assume_error().code == Errc::exists) continue;
     if (!sink) return std::move(sink).assume_error();
     SCANSION_TRY(count_mm, resolution_mm(facts_.lattice));
     sink_ = std::move(sink).assume_value();
     pipeline_.emplace(facts_.levels, count_mm, facts_.stream);
+    if (settings_.features) stage_.emplace(facts_.lattice, *settings_.features);
     is_encoded_ = false;
     groups_in_file_ = 0;
     opened_at_ = clock_.steady_ns();
@@ -90,7 +92,26 @@ Result<void> RunRecorder::write_group(LineGroup& group) {
   }
   SCANSION_TRY(sink_->append(encoded_, group.points(), group.runs.size(), invalid_of(group)));
   note_written(group);
+  find_features(group);
   return success();
+}
+
+/// The group is safe by now: what cannot be written here waits in the sink and is written with what is found next.
+void RunRecorder::find_features(const LineGroup& group) {
+  if (!stage_) return;
+  found_.group = group.number;
+  stage_->add(group, pipeline_->ranks().distance, found_);
+  if (found_.empty()) return;
+  if (auto written = sink_->append(found_, last_log_time_ns_); !written)
+    spdlog::warn("{}: feature lines wait: {}", facts_.device, written.assume_error().context);
+}
+
+void RunRecorder::finish_features() {
+  if (!stage_) return;
+  stage_->finish(found_);
+  if (auto written = sink_->append(found_, last_log_time_ns_); !written)
+    spdlog::error("{}: the last feature lines are lost: {}", facts_.device, written.assume_error().context);
+  stage_.reset();
 }
 
 void RunRecorder::note_written(const LineGroup& group) {
@@ -111,6 +132,7 @@ Result<void> RunRecorder::write_front() {
     SCANSION_TRY(open_file());
   }
   SCANSION_TRY(sink_->append(front.gap, last_log_time_ns_));
+  if (stage_) stage_->skip(front.gap);
   if (sync_at_ == kNever) sync_at_ = clock_.steady_ns() + settings_.sync_interval;
   return success();
 }
@@ -197,6 +219,7 @@ void RunRecorder::rotate_if_due() {
 
 void RunRecorder::close_file(std::string_view why) {
   if (!sink_) return;
+  finish_features();
   if (auto finished = sink_->finish(last_line_time_.value_or(clock_.realtime_ns()), rounding_mm_); !finished) {
     spdlog::error("{}: {} stays without its end: {}; the next start of the daemon completes it", facts_.device, status_.path,
                   finished.assume_error().context);

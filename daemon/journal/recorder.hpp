@@ -5,6 +5,7 @@
 #include "daemon/clock/clock.hpp"
 #include "daemon/journal/directory.hpp"
 #include "daemon/journal/sink.hpp"
+#include "pipeline/feature/feature_stage.hpp"
 #include "pipeline/pipeline.hpp"
 
 #include <algorithm>
@@ -20,6 +21,7 @@ struct RecorderSettings {
   std::uint64_t min_free_bytes = 1024ULL << 20U;
   std::uint64_t pending_bytes = 64ULL << 20U; ///< closed groups kept while the disk takes none
   SteadyNs retry = kSecond;                   ///< between attempts on a disk that refuses
+  std::optional<FeatureSettings> features;    ///< empty: none are looked for
 };
 
 /// The outside world of recorders, shared by all devices. Its functions are thread-safe.
@@ -89,6 +91,8 @@ private:
   [[nodiscard]] Result<void> write_group(LineGroup& group);
   [[nodiscard]] Result<void> write_front();
   void note_written(const LineGroup& group);
+  void find_features(const LineGroup& group);
+  void finish_features();
   void drain();
   void block(const Error& error);
   void unblock();
@@ -102,6 +106,8 @@ private:
 
   std::unique_ptr<RecordingSink> sink_;
   std::optional<Pipeline> pipeline_;
+  std::optional<FeatureStage> stage_; ///< of the open file: each file's feature lines are complete in themselves
+  FeatureReport found_;
   EncodedGroup encoded_;
   bool is_encoded_ = false; ///< encoded_ holds the group that was refused, for the file that is open
   std::uint64_t groups_in_file_ = 0;

@@ -15,6 +15,7 @@ public:
     return writer_.append(group, points, runs, invalid);
   }
   Result<void> append(const Gap& gap, std::uint64_t log_time_ns) override { return writer_.append(gap, log_time_ns); }
+  Result<void> append(FeatureReport& report, std::uint64_t log_time_ns) override { return writer_.append(report, log_time_ns); }
   Result<void> sync() override { return writer_.sync(); }
   Result<void> finish(std::int64_t ended_ns, double rounding_mm) override { return writer_.finish(ended_ns, rounding_mm); }
   std::uint64_t bytes() const noexcept override { return writer_.bytes(); }

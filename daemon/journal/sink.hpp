@@ -3,6 +3,7 @@
 #pragma once
 
 #include "pipeline/codec/payload.hpp"
+#include "pipeline/feature/feature_line.hpp"
 #include "pipeline/model/scan_line.hpp"
 #include "pipeline/record/recording.hpp"
 
@@ -23,6 +24,7 @@ public:
   [[nodiscard]] virtual Result<void> append(const EncodedGroup& group, std::uint64_t points, std::uint64_t runs,
                                             std::uint64_t invalid) = 0;
   [[nodiscard]] virtual Result<void> append(const Gap& gap, std::uint64_t log_time_ns) = 0;
+  [[nodiscard]] virtual Result<void> append(FeatureReport& report, std::uint64_t log_time_ns) = 0;
   [[nodiscard]] virtual Result<void> sync() = 0;
   [[nodiscard]] virtual Result<void> finish(std::int64_t ended_ns, double rounding_mm) = 0;
   [[nodiscard]] virtual std::uint64_t bytes() const noexcept = 0;

@@ -73,7 +73,9 @@ private:
     recording.stored_levels = settings_.levels.count + 1;
     recording.gap_mm = facts.gap_mm;
     recording.rounding_mm = facts.rounding_mm;
-    recorder_.emplace(ports_, shared_.clock, settings_.recorder, std::move(recording));
+    RecorderSettings recorder = settings_.recorder;
+    recorder.features = shared_.config.features;
+    recorder_.emplace(ports_, shared_.clock, recorder, std::move(recording));
   }
 
   void note_rounding(const QueueItem& item) {

@@ -57,6 +57,7 @@ enum class FeatureEnd : std::uint8_t {
   junction, ///< it runs into another feature line
   cap       ///< it closes with another line that ends here
 };
+inline constexpr std::size_t kFeatureEnds = 6;
 [[nodiscard]] std::string_view name(FeatureEnd end) noexcept;
 
 struct MeanDeviation {
@@ -108,6 +109,7 @@ struct PatchMerge {
 };
 
 enum class PatchShape : std::uint8_t { plane, cylinder, free_form };
+inline constexpr std::size_t kPatchShapes = 3;
 [[nodiscard]] std::string_view name(PatchShape shape) noexcept;
 
 enum class FormKind : std::uint8_t { face, fillet, chamfer, wall, rib, boss, slot, pocket, step, hole };

@@ -25,8 +25,8 @@ constexpr std::array<std::string_view, kShapeElements> kElements = {"straight",
                                                                     "wall-bend-concave",
                                                                     "step-top",
                                                                     "step-bottom"};
-constexpr std::array<std::string_view, 6> kEnds = {"open", "death", "border", "gap", "junction", "cap"};
-constexpr std::array<std::string_view, 3> kShapes = {"plane", "cylinder", "free-form"};
+constexpr std::array<std::string_view, kFeatureEnds> kEnds = {"open", "death", "border", "gap", "junction", "cap"};
+constexpr std::array<std::string_view, kPatchShapes> kShapes = {"plane", "cylinder", "free-form"};
 constexpr std::array<std::string_view, kFormKinds> kForms = {"face", "fillet", "chamfer", "wall", "rib",
                                                              "boss", "slot",   "pocket",  "step", "hole"};
 

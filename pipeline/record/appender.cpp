@@ -97,7 +97,7 @@ Result<void> Appender::append_group(std::span<const ByteView> payloads, std::uin
   if (with_copy) pieces_.emplace_back(copy_);
   SCANSION_TRY(write(pieces_));
 
-  took_block(lines.first_time_ns, false);
+  took_block(lines.first_time_ns, BlockKind::group);
   if (with_copy) {
     state_.copies.push_back(state_.size);
     state_.size += copy_.size();
@@ -117,15 +117,28 @@ Result<void> Appender::append_gap(const Gap& gap, std::uint64_t time) {
   const std::string text = gap_text(gap);
   if (text.size() > kMaxGapText)
     return fail(Errc::usage, file_.path(), ": the reason of a gap is longer than 64 KiB; shorten it");
-  block_.build_gap(facts_, static_cast<std::uint32_t>(state_.totals.gaps), time, mcap::bytes_of(text));
+  block_.build_text(facts_, BlockKind::gap, static_cast<std::uint32_t>(state_.totals.gaps), time, mcap::bytes_of(text));
   SCANSION_TRY(write(block_.pieces()));
-  took_block(time, true);
+  took_block(time, BlockKind::gap);
   state_.totals.gaps += 1;
   return success();
 }
 
-void Appender::took_block(std::uint64_t time, bool gap) {
-  state_.chunks.push_back({state_.size, time, static_cast<std::uint32_t>(block_.chunk_size()), gap});
+Result<void> Appender::append_note(BlockKind kind, ByteView text, std::uint64_t time) {
+  SCANSION_TRY(usable());
+  if (!facts_.features)
+    return fail(Errc::usage, file_.path(), ": the recording has no channels for feature lines; its facts say so");
+  if (text.size() > kMaxNoteText)
+    return fail(Errc::usage, file_.path(), ": a message about feature lines is longer than 32 MiB; write it in pieces");
+  block_.build_text(facts_, kind, state_.notes, time, text);
+  SCANSION_TRY(write(block_.pieces()));
+  took_block(time, kind);
+  state_.notes += 1;
+  return success();
+}
+
+void Appender::took_block(std::uint64_t time, BlockKind kind) {
+  state_.chunks.push_back({state_.size, time, static_cast<std::uint32_t>(block_.chunk_size()), kind});
   state_.size += block_.size();
   state_.data_crc = mcap::crc32_joined(state_.data_crc, block_.crc(), block_.size());
 }

@@ -24,12 +24,15 @@ public:
     std::vector<std::uint64_t> copies; ///< offsets of the records of facts
     RecordingEnd totals;
     GroupOrder order;
+    std::uint32_t notes = 0; ///< messages about feature lines and patches
   };
   /// Cuts off what stands behind the state and goes on there.
   [[nodiscard]] static Result<Appender> resume(File file, const RecordingFacts& facts, State state);
 
   [[nodiscard]] Result<void> append_group(std::span<const ByteView> payloads, std::uint64_t points, GroupCounts counts);
   [[nodiscard]] Result<void> append_gap(const Gap& gap, std::uint64_t time);
+  /// A message about feature lines or patches, as it is.
+  [[nodiscard]] Result<void> append_note(BlockKind kind, ByteView text, std::uint64_t time);
   [[nodiscard]] Result<void> sync();
   [[nodiscard]] Result<void> finish(std::optional<std::int64_t> ended_ns, double rounding_mm);
 
@@ -42,7 +45,7 @@ private:
   [[nodiscard]] Result<PayloadHeader> check(std::span<const ByteView> payloads) const;
   [[nodiscard]] Result<void> write(std::span<const ByteView> pieces);
   [[nodiscard]] Error cut_back(Error cause);
-  void took_block(std::uint64_t time, bool gap);
+  void took_block(std::uint64_t time, BlockKind kind);
 
   File file_;
   RecordingFacts facts_;

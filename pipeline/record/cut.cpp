@@ -19,6 +19,9 @@ public:
     return output_.append_group(group.payloads.first(payloads_per_group(output_.facts())), group.lines.points, counts);
   }
   Result<void> on_gap(const Gap& gap, const ChunkEntry& entry) override { return output_.append_gap(gap, entry.time); }
+  Result<void> on_note(const ChunkEntry& entry, ByteView text) override {
+    return output_.append_note(entry.kind, text, entry.time);
+  }
   Result<void> on_damage(const Damage& damage) override {
     return fail(Errc::damaged, input_, ": byte ", std::to_string(damage.at), ": ", damage.what,
                 "; finish or recover the recording before it is cut to a level");

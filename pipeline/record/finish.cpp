@@ -44,6 +44,10 @@ public:
 
   Result<void> on_group(const FoundGroup& group) override;
   Result<void> on_gap(const Gap& gap, const ChunkEntry& entry) override;
+  Result<void> on_note(const ChunkEntry& /*entry*/, ByteView /*text*/) override {
+    state_.notes += 1;
+    return success();
+  }
   void on_block(const ChunkEntry& entry, std::uint64_t size, std::uint32_t crc) override;
   void on_copy(std::uint64_t offset, ByteView record) override;
   Result<void> on_damage(const Damage& damage) override;

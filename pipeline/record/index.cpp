@@ -136,7 +136,13 @@ Result<void> Indexer::add(const Framed& framed) {
     return fail(why.code, window_.file().path(), ": byte ", std::to_string(framed.offset), ": ", why.context,
                 "; use scansion recover");
   };
-  if (framed.start.gap) {
+  if (framed.start.kind == BlockKind::features || framed.start.kind == BlockKind::patches) {
+    index_.notes.push_back({framed.offset + mcap::kFirstData,
+                            static_cast<std::uint32_t>(framed.start.chunk_size - mcap::kFirstData),
+                            framed.start.kind == BlockKind::patches});
+    return success();
+  }
+  if (framed.start.kind == BlockKind::gap) {
     auto gap = gap_at(framed);
     if (!gap) return broken(gap.error());
     index_.gaps.push_back(std::move(gap).value());
@@ -180,15 +186,15 @@ Result<bool> Indexer::intact(const Framed& framed) {
   SCANSION_TRY(block, window_.view(framed.offset, framed.start.block_size));
   if (block.size() != framed.start.block_size) return false;
   std::vector<ByteView> messages;
-  const std::size_t count = framed.start.gap ? 1 : payloads_per_group(facts_);
+  const std::size_t count = messages_in(framed.start.kind, facts_);
   if (!split_chunk(block.first(framed.start.chunk_size), count, messages)) return false;
-  if (framed.start.gap && !parse_gap(mcap::text_of(messages.front()))) return false;
-  if (!framed.start.gap && !check_group(messages, facts_)) return false;
+  if (framed.start.kind == BlockKind::gap && !parse_gap(mcap::text_of(messages.front()))) return false;
+  if (framed.start.kind == BlockKind::group && !check_group(messages, facts_)) return false;
   Block expected;
-  if (framed.start.gap)
-    expected.build_gap(facts_, framed.start.sequence, framed.start.time, messages.front());
-  else
+  if (framed.start.kind == BlockKind::group)
     expected.build_group(framed.start.sequence, framed.start.time, messages);
+  else
+    expected.build_text(facts_, framed.start.kind, framed.start.sequence, framed.start.time, messages.front());
   return expected.crc() == mcap::crc32(0, block);
 }
 
@@ -236,7 +242,9 @@ Result<RecordingIndex> build_index(Window& window, const Head& head) {
     if (index || index.error().code != Errc::damaged) return index;
     // A summary whose checksum is right with chunks that are not: only the walk below tells how far the file is good.
     auto walked = Indexer(window, head).from_chunk_to_chunk();
-    if (walked && walked.value().groups.size() + walked.value().gaps.size() == summary.value().chunks.size()) return walked;
+    if (walked && walked.value().groups.size() + walked.value().gaps.size() + walked.value().notes.size() ==
+                      summary.value().chunks.size())
+      return walked;
     return index;
   }
   return Indexer(window, head).from_chunk_to_chunk();

@@ -14,6 +14,7 @@ struct RecordingIndex {
   std::optional<RecordingEnd> end;
   std::vector<GroupEntry> groups;
   std::vector<Gap> gaps;
+  std::vector<NoteEntry> notes;
 };
 
 /// Through the summary when its checksum is right, else from chunk to chunk as far as they are whole.

@@ -17,11 +17,25 @@ constexpr std::uint64_t kMessageFields = mcap::kMessageHead - mcap::kRecordHead;
 constexpr std::uint64_t kChunkFields = mcap::kChunkHead - mcap::kRecordHead;
 constexpr std::size_t kCrcInChunk = 33;
 
-enum SchemaId : std::uint16_t { kLinesSchema = 1, kLevelSchema = 2, kGapSchema = 3 };
+enum SchemaId : std::uint16_t { kLinesSchema = 1, kLevelSchema = 2, kGapSchema = 3, kFeaturesSchema = 4, kPatchesSchema = 5 };
 
 constexpr std::string_view kGapJsonSchema =
     R"({"title":"scansion.Gap","type":"object","properties":{"first":{"type":"integer","minimum":0},)"
     R"("count":{"type":["integer","null"],"minimum":1},"reason":{"type":"string"}},"required":["first","count","reason"]})";
+
+constexpr std::string_view kFeaturesJsonSchema =
+    R"({"title":"scansion.Features","type":"object","properties":{"group":{"type":"integer","minimum":0},)"
+    R"("lines":{"type":"array","items":{"type":"object","properties":{"id":{"type":"integer"},"piece":{"type":"integer"},)"
+    R"("type":{"enum":["convex","concave","step-top","step-bottom","ridge","valley"]},"vertices":{"type":"array",)"
+    R"("items":{"type":"array","items":{"type":"number"},"minItems":5,"maxItems":6}}},)"
+    R"("required":["id","piece","type","vertices"]}}},"required":["group","lines"]})";
+
+constexpr std::string_view kPatchesJsonSchema =
+    R"({"title":"scansion.Patches","type":"object","properties":{"group":{"type":"integer","minimum":0},)"
+    R"("runs":{"type":"array","items":{"type":"array","minItems":3,"maxItems":4}},)"
+    R"("merges":{"type":"array","items":{"type":"array","items":{"type":"integer"},"minItems":2,"maxItems":2}},)"
+    R"("patches":{"type":"array","items":{"type":"object","required":["id","label","shape","samples"]}},)"
+    R"("forms":{"type":"array","items":{"type":"object","required":["kind","patches","confidence"]}}},"required":["group"]})";
 
 void schema(Builder& b, std::uint16_t id, std::string_view name, std::string_view encoding, std::string_view data) {
   const std::size_t begun = b.begin(Opcode::schema);
@@ -60,12 +74,16 @@ void message_index(Builder& b, std::uint16_t channel_id, std::uint64_t time, std
 
 } // namespace
 
-Bytes schema_records() {
+Bytes schema_records(const RecordingFacts& facts) {
   Bytes bytes;
   Builder b(bytes);
   schema(b, kLinesSchema, "scansion.Lines", "scansion", "Line table of a group of scan lines; see docs/FORMAT.md of Scansion.");
   schema(b, kLevelSchema, "scansion.Level", "scansion", "Points of one level of detail; see docs/FORMAT.md of Scansion.");
   schema(b, kGapSchema, "scansion.Gap", "jsonschema", kGapJsonSchema);
+  if (facts.features) {
+    schema(b, kFeaturesSchema, "scansion.Features", "jsonschema", kFeaturesJsonSchema);
+    schema(b, kPatchesSchema, "scansion.Patches", "jsonschema", kPatchesJsonSchema);
+  }
   return bytes;
 }
 
@@ -78,7 +96,11 @@ Bytes channel_records(const RecordingFacts& facts) {
     const std::string name = k < facts.level_count ? "lod" + std::to_string(k) : "rest";
     channel(b, static_cast<std::uint16_t>(k + 2), kLevelSchema, stem + name, "scansion");
   }
-  channel(b, gap_channel(facts), kGapSchema, stem + "gaps", "json");
+  channel(b, channel_of(BlockKind::gap, facts), kGapSchema, stem + "gaps", "json");
+  if (facts.features) {
+    channel(b, channel_of(BlockKind::features, facts), kFeaturesSchema, stem + "features", "json");
+    channel(b, channel_of(BlockKind::patches, facts), kPatchesSchema, stem + "patches", "json");
+  }
   return bytes;
 }
 
@@ -90,7 +112,7 @@ Bytes head_bytes(const RecordingFacts& facts) {
   b.string("scansion");
   b.string("scansion 1");
   b.end(begun);
-  for (const Bytes& part : {schema_records(), channel_records(facts), facts_record(facts)})
+  for (const Bytes& part : {schema_records(facts), channel_records(facts), facts_record(facts)})
     bytes.insert(bytes.end(), part.begin(), part.end());
   return bytes;
 }
@@ -122,8 +144,8 @@ void Block::build_group(std::uint32_t number, std::uint64_t time, std::span<cons
   build(1, number, time, payloads);
 }
 
-void Block::build_gap(const RecordingFacts& facts, std::uint32_t sequence, std::uint64_t time, ByteView text) {
-  build(gap_channel(facts), sequence, time, std::span(&text, 1));
+void Block::build_text(const RecordingFacts& facts, BlockKind kind, std::uint32_t sequence, std::uint64_t time, ByteView text) {
+  build(channel_of(kind, facts), sequence, time, std::span(&text, 1));
 }
 
 void Block::build(std::uint16_t first_channel, std::uint32_t sequence, std::uint64_t time, std::span<const ByteView> messages) {
@@ -182,9 +204,13 @@ Result<BlockStart> parse_block_start(ByteView bytes, std::uint64_t available, co
   const std::uint16_t channel_id = cursor.u16();
   start.sequence = cursor.u32();
   start.time = cursor.u64();
-  start.gap = channel_id == gap_channel(facts);
-  if (!start.gap && channel_id != 1) return fail(Errc::damaged, "chunk starts with a message of an unexpected channel");
-  start.block_size = start.chunk_size + mcap::kMessageIndex * (start.gap ? 1U : payloads_per_group(facts));
+  if (channel_id != 1) {
+    if (channel_id < gap_channel(facts) || channel_id >= gap_channel(facts) + text_channels(facts))
+      return fail(Errc::damaged, "chunk starts with a message of an unexpected channel");
+    start.kind = static_cast<BlockKind>(channel_id - gap_channel(facts) + static_cast<int>(BlockKind::gap));
+    if (start.chunk_size - mcap::kFirstData > max_text(start.kind)) return fail(Errc::damaged, "a text message is too long");
+  }
+  start.block_size = start.chunk_size + mcap::kMessageIndex * messages_in(start.kind, facts);
   if (start.block_size > available) return fail(Errc::damaged, "message indexes of the chunk are cut short");
   return start;
 }

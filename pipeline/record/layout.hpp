@@ -12,6 +12,8 @@ namespace scansion {
 inline constexpr std::uint64_t kMaxChunk = 192U << 20U;
 /// The longest text of a gap message.
 inline constexpr std::uint64_t kMaxGapText = 64U << 10U;
+/// The longest text of a message with feature lines or patches.
+inline constexpr std::uint64_t kMaxNoteText = 32U << 20U;
 /// The facts are repeated behind the first group and behind every so many more, so that they outlive a broken head.
 inline constexpr std::uint64_t kFactsEvery = 256;
 
@@ -23,12 +25,32 @@ inline constexpr std::uint64_t kFactsEvery = 256;
   return static_cast<std::uint16_t>(f.level_count + 3);
 }
 
+/// What a block (a chunk and its message indexes) holds: the payloads of a group, or one text message.
+enum class BlockKind : std::uint8_t { group, gap, features, patches };
+[[nodiscard]] inline std::uint16_t channel_of(BlockKind kind, const RecordingFacts& f) noexcept {
+  return kind == BlockKind::group
+             ? std::uint16_t{1}
+             : static_cast<std::uint16_t>(gap_channel(f) + static_cast<int>(kind) - static_cast<int>(BlockKind::gap));
+}
+[[nodiscard]] inline std::uint32_t messages_in(BlockKind kind, const RecordingFacts& f) noexcept {
+  return kind == BlockKind::group ? payloads_per_group(f) : 1;
+}
+[[nodiscard]] inline std::uint64_t max_text(BlockKind kind) noexcept {
+  return kind == BlockKind::gap ? kMaxGapText : kMaxNoteText;
+}
+/// Text channels, each with a schema of its own: gaps, and features and patches where the recording has them.
+[[nodiscard]] inline std::uint16_t text_channels(const RecordingFacts& f) noexcept {
+  return f.features ? 3 : 1;
+}
+
 /// Schemas and channels, each a run of whole records.
-[[nodiscard]] Bytes schema_records();
+[[nodiscard]] Bytes schema_records(const RecordingFacts& facts);
 [[nodiscard]] Bytes channel_records(const RecordingFacts& facts);
-inline constexpr std::uint16_t kSchemaCount = 3;
+[[nodiscard]] inline std::uint16_t schema_count(const RecordingFacts& f) noexcept {
+  return static_cast<std::uint16_t>(2 + text_channels(f));
+}
 [[nodiscard]] inline std::uint32_t channel_count(const RecordingFacts& f) noexcept {
-  return payloads_per_group(f) + 1;
+  return payloads_per_group(f) + text_channels(f);
 }
 
 /// Everything before the first chunk, magic included.
@@ -43,18 +65,15 @@ struct ChunkEntry {
   std::uint64_t offset = 0; ///< of the chunk record in the file
   std::uint64_t time = 0;   ///< log time of its messages
   std::uint32_t size = 0;   ///< of the chunk record, framing included
-  bool gap = false;
+  BlockKind kind = BlockKind::group;
 };
-[[nodiscard]] inline std::uint32_t messages_in(const ChunkEntry& entry, const RecordingFacts& f) noexcept {
-  return entry.gap ? 1 : payloads_per_group(f);
-}
 
-/// The records of one group or gap, as pieces that stand one after the other in the file. The pieces of payloads are the
-/// caller's.
+/// The records of one group or text message, as pieces that stand one after the other in the file. The pieces of payloads are
+/// the caller's.
 class Block {
 public:
   void build_group(std::uint32_t number, std::uint64_t time, std::span<const ByteView> payloads);
-  void build_gap(const RecordingFacts& facts, std::uint32_t sequence, std::uint64_t time, ByteView text);
+  void build_text(const RecordingFacts& facts, BlockKind kind, std::uint32_t sequence, std::uint64_t time, ByteView text);
 
   [[nodiscard]] const std::vector<ByteView>& pieces() const noexcept { return pieces_; }
   [[nodiscard]] std::uint64_t size() const noexcept { return chunk_size_ + index_size_; }
@@ -72,7 +91,7 @@ private:
 
 /// What the first kFirstData bytes of a chunk say. Nothing of it is certain before the block has been compared.
 struct BlockStart {
-  bool gap = false;
+  BlockKind kind = BlockKind::group;
   std::uint32_t sequence = 0;
   std::uint64_t time = 0;
   std::uint64_t chunk_size = 0;

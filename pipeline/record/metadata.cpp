@@ -187,6 +187,7 @@ Bytes facts_record(const RecordingFacts& f) {
             {"rounding_mm", number(f.rounding_mm)}};
   if (f.gap_mm) e.emplace_back("gap_mm", number(*f.gap_mm));
   if (f.started_ns) e.emplace_back("started_ns", number(*f.started_ns));
+  if (f.features) e.emplace_back("features", "yes");
   return record(kFactsName, std::move(e));
 }
 
@@ -227,6 +228,10 @@ Result<RecordingFacts> parse_facts(ByteView content) {
   f.gap_mm = values.optional_number<double>("gap_mm");
   if (f.gap_mm && !not_negative(*f.gap_mm)) values.reject("gap_mm");
   f.started_ns = values.optional_number<std::int64_t>("started_ns");
+  if (const auto features = values.find("features")) {
+    f.features = *features == "yes";
+    if (!f.features) values.reject("features");
+  }
   SCANSION_TRY(values.all_read());
   return f;
 }

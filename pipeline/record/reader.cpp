@@ -3,6 +3,7 @@
 #include "pipeline/record/reader.hpp"
 
 #include "pipeline/record/index.hpp"
+#include "pipeline/record/notes.hpp"
 #include "pipeline/record/reader_impl.hpp"
 
 namespace scansion {
@@ -25,6 +26,7 @@ Result<RecordingReader> RecordingReader::open(const std::string& path) {
   impl->end = index.end;
   impl->groups = std::move(index.groups);
   impl->gaps = std::move(index.gaps);
+  impl->notes = std::move(index.notes);
   return RecordingReader(std::move(impl));
 }
 
@@ -43,6 +45,22 @@ const std::vector<GroupEntry>& RecordingReader::groups() const noexcept {
 const std::vector<Gap>& RecordingReader::gaps() const noexcept {
   return impl_->gaps;
 }
+const std::vector<NoteEntry>& RecordingReader::notes() const noexcept {
+  return impl_->notes;
+}
+
+Result<void> RecordingReader::read_note(std::size_t i, FeatureReport& report) {
+  if (i >= impl_->notes.size()) return fail(Errc::usage, impl_->file.path(), ": there is no such message");
+  const NoteEntry& note = impl_->notes[i];
+  impl_->payload.resize(note.size);
+  SCANSION_TRY(impl_->file.read_at(note.offset, impl_->payload));
+  const std::string_view text = mcap::text_of(impl_->payload);
+  auto read = note.patches ? parse_patches_message(text, report) : parse_features_message(text, report);
+  if (read) return success();
+  return fail(read.error().code, impl_->file.path(), ": byte ", std::to_string(note.offset), ": ", read.error().context,
+              "; use scansion recover");
+}
+
 std::uint64_t RecordingReader::bytes() const noexcept {
   return impl_->size;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "pipeline/codec/codec.hpp"
+#include "pipeline/feature/feature_line.hpp"
 #include "pipeline/record/recording.hpp"
 
 #include <memory>
@@ -21,6 +22,13 @@ struct GroupEntry {
   std::vector<Place> payloads; ///< lines, lod0, ..., as many as are stored
 };
 
+/// Where a message about feature lines or patches stands.
+struct NoteEntry {
+  std::uint64_t offset = 0;
+  std::uint32_t size = 0;
+  bool patches = false; ///< else feature lines
+};
+
 class RecordingReader {
 public:
   /// Opens without repair. A file that was cut or killed opens as far as its last whole group, chunk and
@@ -36,7 +44,8 @@ public:
   [[nodiscard]] const std::optional<RecordingEnd>& end() const noexcept; ///< empty while unfinished
   [[nodiscard]] const std::vector<GroupEntry>& groups() const noexcept;
   [[nodiscard]] const std::vector<Gap>& gaps() const noexcept;
-  [[nodiscard]] std::uint64_t bytes() const noexcept; ///< of the file
+  [[nodiscard]] const std::vector<NoteEntry>& notes() const noexcept; ///< in the order of writing
+  [[nodiscard]] std::uint64_t bytes() const noexcept;                 ///< of the file
 
   /// Reads group i: the line table and lod0 .. lod<level> (level = n: rest too; capped at what is stored). Touches no other
   /// payload byte of the file.
@@ -47,6 +56,9 @@ public:
   [[nodiscard]] Result<PayloadHeader> read_header(std::size_t i, std::size_t payload);
   /// The raw bytes of one payload, header included.
   [[nodiscard]] Result<void> read_payload(std::size_t i, std::size_t payload, Bytes& out);
+
+  /// Adds what message i of notes() says to `report`. Fails with damaged.
+  [[nodiscard]] Result<void> read_note(std::size_t i, FeatureReport& report);
 
 private:
   struct Impl;

@@ -17,6 +17,7 @@ struct RecordingReader::Impl {
   std::optional<RecordingEnd> end;
   std::vector<GroupEntry> groups;
   std::vector<Gap> gaps;
+  std::vector<NoteEntry> notes;
   GroupDecoder decoder;
   Bytes payload; ///< scratch
 };

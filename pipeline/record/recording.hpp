@@ -21,6 +21,7 @@ struct RecordingFacts {
   std::uint32_t stored_levels = 4;        ///< channels really present of the n + 1 (fewer after `export --level K`)
   std::optional<double> gap_mm;           ///< steps longer than this split a line
   std::optional<std::int64_t> started_ns; ///< realtime; empty offline, so that equal input gives equal bytes
+  bool features = false;                  ///< has channels for feature lines and patches
   double rounding_mm = 0.0;               ///< largest rounding error bound promised on entry (half a count), 0 when lossless
 
   friend bool operator==(const RecordingFacts&, const RecordingFacts&) = default;

@@ -30,6 +30,8 @@ public:
     }
     SCANSION_TRY(lost, tail_lost());
     report_.tail_lost = lost;
+    SCANSION_TRY(notes, facts_.features ? held_blocks(broken_) : Result<bool>(false));
+    report_.notes_lost = notes;
     const auto ended = end.end ? end.end->ended_ns : std::nullopt;
     SCANSION_TRY(output_.finish(ended, end.end ? end.end->rounding_mm : facts_.rounding_mm));
     const RecordingEnd& totals = output_.state().totals;
@@ -41,6 +43,9 @@ public:
 
   Result<void> on_group(const FoundGroup& group) override;
   Result<void> on_gap(const Gap& gap, const ChunkEntry& entry) override;
+  Result<void> on_note(const ChunkEntry& entry, ByteView text) override {
+    return output_.append_note(entry.kind, text, entry.time);
+  }
   Result<void> on_damage(const Damage& damage) override;
 
 private:
@@ -50,6 +55,7 @@ private:
     bool behind_group = false; ///< starts where the payloads of a group end
   };
   Result<bool> held_a_group(const Stretch& stretch);
+  Result<bool> held_blocks(const std::vector<Stretch>& stretches);
   Result<bool> tail_lost();
   void skip(std::uint64_t bytes) {
     report_.bytes_skipped += bytes;
@@ -64,6 +70,7 @@ private:
   std::vector<Hole> holes_;
   std::vector<Gap> gaps_;                  ///< without their reasons
   std::vector<Stretch> behind_last_group_; ///< broken
+  std::vector<Stretch> broken_;            ///< all of them
   bool refused_behind_last_group_ = false; ///< whole, but out of order or not to be decoded
   bool skipped_before_ = false;            ///< something was skipped before the first group
 };
@@ -100,6 +107,7 @@ Result<void> Recoverer::on_gap(const Gap& gap, const ChunkEntry& entry) {
 Result<void> Recoverer::on_damage(const Damage& damage) {
   skip(damage.to - damage.from - damage.grouped);
   behind_last_group_.push_back({damage.last_group_end, damage.to, damage.grouped > 0});
+  broken_.push_back(behind_last_group_.back());
   return success();
 }
 
@@ -117,10 +125,14 @@ Result<bool> Recoverer::held_a_group(const Stretch& stretch) {
 /// Whether what is broken behind the last group held groups. Between groups the missing lines tell; here nothing does.
 Result<bool> Recoverer::tail_lost() {
   if (refused_behind_last_group_) return true;
-  if (behind_last_group_.empty()) return false;
+  return held_blocks(behind_last_group_);
+}
+
+Result<bool> Recoverer::held_blocks(const std::vector<Stretch>& stretches) {
+  if (stretches.empty()) return false;
   const auto summary = read_summary(window_);
   if (!summary && summary.error().code != Errc::damaged) return summary.error();
-  for (const Stretch& stretch : behind_last_group_) {
+  for (const Stretch& stretch : stretches) {
     if (summary) { // it lists every chunk there was
       const auto& chunks = summary.value().chunks;
       const auto first = std::lower_bound(chunks.begin(), chunks.end(), stretch.from);

@@ -37,7 +37,8 @@ struct RecoverReport {
   std::uint64_t bytes_skipped = 0;                 ///< of the input, not understood
   std::vector<LineRange> lost; ///< known to be missing between and before groups that came back; the tail is unknowable
   bool tail_lost = false;      ///< bytes of an unfinished or damaged group stood at the end
-  [[nodiscard]] bool anything_lost() const noexcept { return !lost.empty() || tail_lost; }
+  bool notes_lost = false;     ///< a message about feature lines or patches, or a gap, stood in a broken stretch
+  [[nodiscard]] bool anything_lost() const noexcept { return !lost.empty() || tail_lost || notes_lost; }
 };
 
 /// Writes every whole group that can be found by its mark into a new finished recording at `output` (must not exist), with a

@@ -5,6 +5,7 @@
 #include "pipeline/record/metadata.hpp"
 
 #include <algorithm>
+#include <array>
 
 namespace scansion {
 namespace {
@@ -36,7 +37,7 @@ public:
   Result<void> summary() {
     summary_start_ = flushed_;
     const RecordingFacts& facts = *tail_.facts;
-    append(schema_records());
+    append(schema_records(facts));
     close_section(Opcode::schema);
     append(channel_records(facts));
     close_section(Opcode::channel);
@@ -75,41 +76,44 @@ private:
 
   void statistics() {
     const auto& chunks = *tail_.chunks;
-    std::uint64_t groups = 0;
+    const RecordingFacts& facts = *tail_.facts;
+    std::array<std::uint64_t, 4> blocks{}; // by BlockKind
     std::uint64_t first = chunks.empty() ? 0 : UINT64_MAX;
     std::uint64_t last = 0;
+    std::uint64_t messages = 0;
+    std::uint32_t channels = 0;
     for (const ChunkEntry& c : chunks) {
-      groups += c.gap ? 0 : 1;
+      blocks[static_cast<std::size_t>(c.kind)] += 1;
+      messages += messages_in(c.kind, facts);
       first = std::min(first, c.time);
       last = std::max(last, c.time);
     }
-    const std::uint64_t gaps = chunks.size() - groups;
-    const std::uint32_t per_group = payloads_per_group(*tail_.facts);
+    for (std::size_t k = 0; k < blocks.size(); ++k)
+      channels += blocks[k] > 0 ? messages_in(static_cast<BlockKind>(k), facts) : 0;
     Builder b(buffer_);
     const std::size_t begun = b.begin(Opcode::statistics);
-    b.u64(groups * per_group + gaps);
-    b.u16(kSchemaCount);
-    b.u32(channel_count(*tail_.facts));
+    b.u64(messages);
+    b.u16(schema_count(facts));
+    b.u32(channel_count(facts));
     b.u32(0); // attachments
     b.u32(static_cast<std::uint32_t>(tail_.copies->size() + 1));
     b.u32(static_cast<std::uint32_t>(chunks.size()));
     b.u64(first);
     b.u64(last);
-    b.u32(10 * ((groups > 0 ? per_group : 0) + (gaps > 0 ? 1 : 0)));
-    for (std::uint32_t i = 0; groups > 0 && i < per_group; ++i) {
-      b.u16(static_cast<std::uint16_t>(i + 1));
-      b.u64(groups);
-    }
-    if (gaps > 0) {
-      b.u16(gap_channel(*tail_.facts));
-      b.u64(gaps);
+    b.u32(10 * channels);
+    for (std::size_t k = 0; k < blocks.size(); ++k) {
+      const auto kind = static_cast<BlockKind>(k);
+      for (std::uint32_t i = 0; blocks[k] > 0 && i < messages_in(kind, facts); ++i) {
+        b.u16(static_cast<std::uint16_t>(channel_of(kind, facts) + i));
+        b.u64(blocks[k]);
+      }
     }
     b.end(begun);
   }
 
   void chunk_index(const ChunkEntry& entry) {
-    const std::uint32_t messages = messages_in(entry, *tail_.facts);
-    const std::uint16_t first = entry.gap ? gap_channel(*tail_.facts) : std::uint16_t{1};
+    const std::uint32_t messages = messages_in(entry.kind, *tail_.facts);
+    const std::uint16_t first = channel_of(entry.kind, *tail_.facts);
     const std::uint64_t records = entry.size - mcap::kChunkHead;
     Builder b(buffer_);
     const std::size_t begun = b.begin(Opcode::chunk_index);

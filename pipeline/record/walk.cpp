@@ -3,6 +3,7 @@
 #include "pipeline/record/walk.hpp"
 
 #include "pipeline/record/metadata.hpp"
+#include "pipeline/record/notes.hpp"
 #include "pipeline/record/salvage.hpp"
 
 namespace scansion {
@@ -13,11 +14,12 @@ using namespace std::string_view_literals;
 /// What can start behind a broken stretch. The first data of a chunk is a payload's mark or a gap's text, at a fixed distance
 /// from the chunk's first byte; the name of a Metadata record stands behind its framing.
 constexpr std::string_view kMarkPattern{"\x89SCNGRP\n", 8};
-constexpr std::array kRestarts{kMarkPattern, R"({"first":)"sv, "\x08\0\0\0scansion"sv, "\x0c\0\0\0scansion.end"sv};
-constexpr std::array<std::uint64_t, kRestarts.size()> kStartBefore{mcap::kFirstData, mcap::kFirstData, mcap::kRecordHead,
-                                                                   mcap::kRecordHead};
+constexpr std::array kRestarts{kMarkPattern, R"({"first":)"sv, R"({"group":)"sv, "\x08\0\0\0scansion"sv,
+                               "\x0c\0\0\0scansion.end"sv};
+constexpr std::array<std::uint64_t, kRestarts.size()> kStartBefore{mcap::kFirstData, mcap::kFirstData, mcap::kFirstData,
+                                                                   mcap::kRecordHead, mcap::kRecordHead};
 
-enum class What : std::uint8_t { group, gap, copy, end, nothing };
+enum class What : std::uint8_t { group, gap, note, copy, end, nothing };
 
 /// What stands at one offset. Views live until the next look.
 struct Item {
@@ -124,20 +126,28 @@ Result<Item> Walker::look_at_block(std::uint64_t at) {
   const BlockStart& s = start.value();
   SCANSION_TRY(budget_.spend(s.block_size, window_.file()));
   SCANSION_TRY(block, window_.view(at, s.block_size));
-  const auto split = split_chunk(block.first(s.chunk_size), s.gap ? 1 : payloads_per_group(facts_), payloads_);
+  const auto split = split_chunk(block.first(s.chunk_size), messages_in(s.kind, facts_), payloads_);
   if (!split) return nothing(at, split.error().context);
 
   Item item;
   item.size = s.block_size;
-  item.entry = {at, s.time, static_cast<std::uint32_t>(s.chunk_size), s.gap};
-  if (s.gap) {
+  item.entry = {at, s.time, static_cast<std::uint32_t>(s.chunk_size), s.kind};
+  if (s.kind == BlockKind::gap) {
     auto gap = parse_gap(mcap::text_of(payloads_.front()));
     if (!gap) return nothing(at + mcap::kFirstData, gap.error().context);
     item.what = What::gap;
     item.gap = std::move(gap).value();
-    block_.build_gap(facts_, s.sequence, s.time, payloads_.front());
+    block_.build_text(facts_, s.kind, s.sequence, s.time, payloads_.front());
     if (gap_text(item.gap) != mcap::text_of(payloads_.front()))
       return nothing(at + mcap::kFirstData, "gap message is not as written");
+  } else if (s.kind != BlockKind::group) {
+    FeatureReport report;
+    const std::string_view text = mcap::text_of(payloads_.front());
+    const auto read =
+        s.kind == BlockKind::features ? parse_features_message(text, report) : parse_patches_message(text, report);
+    if (!read) return nothing(at + mcap::kFirstData, read.error().context);
+    item.what = What::note;
+    block_.build_text(facts_, s.kind, s.sequence, s.time, payloads_.front());
   } else {
     const auto lines = check_group(payloads_, facts_);
     if (!lines) return nothing(at, lines.error().context);
@@ -161,6 +171,9 @@ Result<void> Walker::tell(std::uint64_t at, const Item& item) {
   }
   if (item.what == What::gap) {
     SCANSION_TRY(visitor_.on_gap(item.gap, item.entry));
+  }
+  if (item.what == What::note) {
+    SCANSION_TRY(visitor_.on_note(item.entry, payloads_.front()));
   }
   visitor_.on_block(item.entry, item.size, item.crc);
   return success();

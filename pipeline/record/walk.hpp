@@ -21,7 +21,9 @@ public:
   [[nodiscard]] virtual Result<void> on_group(const FoundGroup& group) = 0;
   /// An intact block with a gap message.
   [[nodiscard]] virtual Result<void> on_gap(const Gap& gap, const ChunkEntry& entry) = 0;
-  /// An intact block was passed (after on_group or on_gap); `crc` is the CRC-32 of its `size` bytes.
+  /// An intact block with a message about feature lines or patches.
+  [[nodiscard]] virtual Result<void> on_note(const ChunkEntry& /*entry*/, ByteView /*text*/) { return success(); }
+  /// An intact block was passed (after on_group, on_gap or on_note); `crc` is the CRC-32 of its `size` bytes.
   virtual void on_block(const ChunkEntry& /*entry*/, std::uint64_t /*size*/, std::uint32_t /*crc*/) {}
   /// An intact copy of the facts.
   virtual void on_copy(std::uint64_t /*offset*/, ByteView /*record*/) {}

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "pipeline/codec/payload.hpp"
+#include "pipeline/feature/feature_line.hpp"
 #include "pipeline/model/scan_line.hpp"
 #include "pipeline/record/recording.hpp"
 
@@ -27,6 +28,9 @@ public:
   [[nodiscard]] Result<void> append(const EncodedGroup& group, std::uint64_t points, std::uint64_t runs, std::uint64_t invalid);
   /// A chunk with one message on the gaps channel.
   [[nodiscard]] Result<void> append(const Gap& gap, std::uint64_t log_time_ns);
+  /// What was found out about the lines so far, moved out of `report`: a chunk for each message that it needs, none when it is
+  /// empty. What cannot be written stays in the writer, which tries again with the next report and at finish().
+  [[nodiscard]] Result<void> append(FeatureReport& report, std::uint64_t log_time_ns);
   /// fdatasync. After a failure the file must be sealed and another one started: a later success proves nothing.
   [[nodiscard]] Result<void> sync();
   /// Writes end metadata, data end, summary and footer, syncs. The writer cannot append afterwards.

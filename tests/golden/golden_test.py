@@ -26,7 +26,7 @@ def sha256(path):
 def facts(scansion, scan, folder):
     recording = folder / "r.mcap"
     ranks = folder / "ranks.txt"
-    run(scansion, "compress", scan, "-o", recording, "--force")
+    run(scansion, "compress", scan, "-o", recording, "--force", "--features", "off")
     run(scansion, "export", recording, "-o", ranks, "--what", "rearrangement", "--force")
     info = json.loads(run(scansion, "info", recording, "--json"))
     return {

@@ -23,11 +23,24 @@ SCHEMAS = [  # name, encoding, data; ids from 1
     ("scansion.Gap", "jsonschema",
      '{"title":"scansion.Gap","type":"object","properties":{"first":{"type":"integer","minimum":0},'
      '"count":{"type":["integer","null"],"minimum":1},"reason":{"type":"string"}},"required":["first","count","reason"]}'),
+    ("scansion.Features", "jsonschema",
+     '{"title":"scansion.Features","type":"object","properties":{"group":{"type":"integer","minimum":0},"lines":{"ty'
+     'pe":"array","items":{"type":"object","properties":{"id":{"type":"integer"},"piece":{"type":"integer"},"type":{'
+     '"enum":["convex","concave","step-top","step-bottom","ridge","valley"]},"vertices":{"type":"array","items":{"ty'
+     'pe":"array","items":{"type":"number"},"minItems":5,"maxItems":6}}},"required":["id","piece","type","vertices"]'
+     '}}},"required":["group","lines"]}'),
+    ("scansion.Patches", "jsonschema",
+     '{"title":"scansion.Patches","type":"object","properties":{"group":{"type":"integer","minimum":0},"runs":{"type'
+     '":"array","items":{"type":"array","minItems":3,"maxItems":4}},"merges":{"type":"array","items":{"type":"array"'
+     ',"items":{"type":"integer"},"minItems":2,"maxItems":2}},"patches":{"type":"array","items":{"type":"object","re'
+     'quired":["id","label","shape","samples"]}},"forms":{"type":"array","items":{"type":"object","required":["kind"'
+     ',"patches","confidence"]}}},"required":["group"]}'),
 ]
+NOTE_LIMIT = 32 << 20
 FACTS = ("format device stream unit resolution origin source exact levels level_count stored_levels rounding_mm gap_mm "
-         "started_ns").split()
+         "started_ns features").split()
 TOTALS = "lines points runs invalid gaps groups rounding_mm ended_ns".split()
-OPTIONAL = {"gap_mm", "started_ns", "ended_ns"}
+OPTIONAL = {"gap_mm", "started_ns", "ended_ns", "features"}
 
 
 class FormatError(Exception):
@@ -94,6 +107,8 @@ class Container:
     totals: dict = None  # metadata `scansion.end`; None: unfinished
     groups: list = field(default_factory=list)  # [(sequence, log time, [payload, ...])]
     gaps: list = field(default_factory=list)  # the JSON objects
+    features: list = field(default_factory=list)  # the JSON objects of the messages, and so
+    patches: list = field(default_factory=list)
 
 
 def records(data, start):
@@ -131,7 +146,9 @@ def channels(facts):
     need(1 <= count <= 16 and 1 <= stored <= count + 1, f"{stored} of {count} + 1 levels are stored")
     names = ["lines"] + [f"lod{k}" for k in range(count)] + ["rest"]
     rows = [(i + 1, f"scan/{facts['device']}/{name}", "scansion", 2 if i else 1) for i, name in enumerate(names)]
-    return rows[:stored + 1] + [(count + 3, f"scan/{facts['device']}/gaps", "json", 3)]
+    need(facts.get("features") in (None, "yes"), f"features {facts.get('features')}")
+    texts = ["gaps", "features", "patches"] if "features" in facts else ["gaps"]
+    return rows[:stored + 1] + [(count + 3 + i, f"scan/{facts['device']}/{name}", "json", 3 + i) for i, name in enumerate(texts)]
 
 
 class Checker:
@@ -156,13 +173,14 @@ class Checker:
         """Header, Schemas, Channels, Metadata."""
         wanted = MAGIC + record(HEADER, text("scansion") + text("scansion 1"))
         at = self.expect(0, wanted, "the head")
-        self.schemas = [record(SCHEMA, struct.pack("<H", i + 1) + b"".join(map(text, row))) for i, row in enumerate(SCHEMAS)]
         found = next((row for row in records(self.data, at) if row[1] not in (SCHEMA, CHANNEL)), None)
         need(found, "the head is cut off: no metadata, nothing can be read")
         offset, opcode, content = found
         need(opcode == METADATA, f"byte {offset}: opcode {opcode} in the head")
         self.out.facts = parse_metadata(content, f"byte {offset}: metadata scansion", FACTS)
         self.metadata_record = self.built_metadata("scansion", self.out.facts)
+        schemas = SCHEMAS if "features" in self.out.facts else SCHEMAS[:3]
+        self.schemas = [record(SCHEMA, struct.pack("<H", i + 1) + b"".join(map(text, row))) for i, row in enumerate(schemas)]
         rows = channels(self.out.facts)
         self.channels = [record(CHANNEL, struct.pack("<HH", i, schema) + text(topic) + text(encoding) + struct.pack("<I", 0))
                          for i, topic, encoding, schema in rows]
@@ -224,7 +242,16 @@ class Checker:
             need(list(gap) == ["first", "count", "reason"], f"{where}: gap with the keys {list(gap)}")
             self.out.gaps.append(gap)
             return
-        need(names == [name for name in self.names.values() if name != "gaps"], f"{where}: messages {names}")
+        if names in (["features"], ["patches"]):
+            written = len(self.out.features) + len(self.out.patches)
+            need(sequences == {written}, f"{where}: message {sequences} about features and patches, want {written}")
+            need(len(messages[0][4]) <= NOTE_LIMIT, f"{where}: {names[0]} message of {len(messages[0][4])} bytes")
+            note = json.loads(messages[0][4])
+            need("group" in note, f"{where}: {names[0]} message without a group")
+            (self.out.features if names == ["features"] else self.out.patches).append(note)
+            return
+        texts = ("gaps", "features", "patches")
+        need(names == [name for name in self.names.values() if name not in texts], f"{where}: messages {names}")
         need(len(sequences) == 1, f"{where}: messages of the groups {sequences}")
         self.out.groups.append((sequences.pop(), messages[0][3], [message[4] for message in messages]))
         self.metadata_due = (len(self.out.groups) - 1) % METADATA_STRIDE == 0

@@ -88,6 +88,10 @@ public:
     disk_.files[file_].gaps.push_back(gap);
     return success();
   }
+  Result<void> append(FeatureReport& report, std::uint64_t /*time*/) override {
+    report.clear();
+    return success();
+  }
   Result<void> sync() override {
     if (disk_.sync_fails) return fail(Errc::io, "sync failed");
     const std::lock_guard lock(disk_.mutex);
