@@ -3,6 +3,7 @@
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/line_cursor.hpp"
 #include "pipeline/export/value_format.hpp"
+#include "pipeline/record/findings.hpp"
 
 #include <cmath>
 #include <cstdio>
@@ -90,6 +91,32 @@ Difference Comparison::lines(const LineCursor& a, const LineCursor& b) {
   return {};
 }
 
+/// Where the two say something else about feature lines or patches.
+Difference findings_differ(const Findings& a, const Findings& b, double tolerance) {
+  const auto count = [](std::size_t x, std::size_t y, const char* what) {
+    return "the recordings have " + std::to_string(x) + " and " + std::to_string(y) + " " + what;
+  };
+  if (a.lines.size() != b.lines.size()) return count(a.lines.size(), b.lines.size(), "feature lines");
+  for (std::size_t k = 0; k < a.lines.size(); ++k) {
+    const FeatureLine& p = a.lines[k];
+    const FeatureLine& q = b.lines[k];
+    const std::string where = "feature line " + std::to_string(p.id);
+    if (p.id != q.id || p.type != q.type) return where + " has another id or type";
+    if (p.vertices.size() != q.vertices.size())
+      return where + " has " + std::to_string(p.vertices.size()) + " and " + std::to_string(q.vertices.size()) + " vertices";
+    for (std::size_t v = 0; v < p.vertices.size(); ++v) {
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        if (!(std::abs(p.vertices[v].position[axis] - q.vertices[v].position[axis]) <= tolerance))
+          return where + " vertex " + std::to_string(v) + " lies elsewhere";
+      }
+    }
+  }
+  if (a.patches.size() != b.patches.size()) return count(a.patches.size(), b.patches.size(), "patches");
+  if (a.runs != b.runs) return "samples lie on other patches";
+  if (a.forms != b.forms) return "the recordings name other form features";
+  return {};
+}
+
 Result<Difference> first_difference(const Options& o, RecordingReader& a, RecordingReader& b, Comparison& comparison) {
   if ((o.what == "all" || o.what == "levels") && a.facts().level_count != b.facts().level_count)
     return Difference("the recordings have " + std::to_string(a.facts().level_count) + " and " +
@@ -99,12 +126,18 @@ Result<Difference> first_difference(const Options& o, RecordingReader& a, Record
   while (true) {
     SCANSION_TRY(more_a, of_a.next());
     SCANSION_TRY(more_b, of_b.next());
-    if (!more_a && !more_b) return Difference();
+    if (!more_a && !more_b) break;
     if (more_a != more_b)
       return Difference("the " + std::string(more_a ? "second" : "first") + " recording ends before line " +
                         std::to_string((more_a ? of_a : of_b).line().index));
     if (Difference d = comparison.lines(of_a, of_b)) return d;
   }
+  if (o.what == "features" || (o.what == "all" && a.facts().features && b.facts().features)) {
+    SCANSION_TRY(found_a, read_findings(a));
+    SCANSION_TRY(found_b, read_findings(b));
+    return findings_differ(found_a, found_b, o.tolerance);
+  }
+  return Difference();
 }
 
 Result<int> run_compare(const Options& o) {

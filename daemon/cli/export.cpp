@@ -1,8 +1,11 @@
 // scansion export: any level of detail of a recording, as points or as the rearrangement.
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/cli/command.hpp"
+#include "pipeline/export/feature_writer.hpp"
+#include "pipeline/export/patch_writer.hpp"
 #include "pipeline/record/repair.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <memory>
 
@@ -116,13 +119,62 @@ Result<void> write_rearrangement(const Options& o, RecordingReader& reader, cons
   return success();
 }
 
+Result<Unit> unit_of(const Options& o, const RecordingReader& reader) {
+  return o.unit.empty() ? Result<Unit>(reader.facts().lattice.unit) : parse_unit(o.unit);
+}
+
+Result<void> has_features(const Options& o, const RecordingReader& reader) {
+  if (reader.facts().features) return success();
+  return fail(Errc::usage, o.recording,
+              ": was made without feature lines and patches; compress the scan again with --features on");
+}
+
+Result<void> write_features(const Options& o, RecordingReader& reader, const Selection& s, const std::string& format_name) {
+  if (s.kind != Selection::Kind::all)
+    return fail(Errc::usage, "feature lines do not depend on a selection of points; leave it out");
+  SCANSION_TRY(has_features(o, reader));
+  SCANSION_TRY(format, parse_feature_format(format_name));
+  SCANSION_TRY(unit, unit_of(o, reader));
+  SCANSION_TRY(found, read_findings(reader, FindingsPart::lines));
+  std::erase_if(found.lines, [&](const FeatureLine& line) {
+    return std::ranges::none_of(line.vertices, [&](const FeatureVertex& vertex) { return s.has_line(vertex.line); });
+  });
+  SCANSION_TRY(file, OutputFile::create(o.output, o.force, false));
+  SCANSION_TRY(write_feature_lines(found.lines, format, unit, file));
+  SCANSION_TRY(file.commit());
+  say((o.output == "-" ? std::string("standard output") : o.output) + ": " + std::to_string(found.lines.size()) +
+      " feature lines");
+  return success();
+}
+
+Result<void> write_patches(const Options& o, RecordingReader& reader, const Selection& s, const std::string& format_name,
+                           const Progress& progress) {
+  SCANSION_TRY(has_features(o, reader));
+  SCANSION_TRY(format, parse_patch_format(format_name));
+  SCANSION_TRY(unit, unit_of(o, reader));
+  SCANSION_TRY(values, ValueFormat::make(reader.facts().lattice, unit, o.single));
+  SCANSION_TRY(found, read_findings(reader, FindingsPart::patches));
+  const auto writer = make_patch_writer(format, values, {unit, o.single, describe(o, s)}, found);
+  SCANSION_TRY(file, OutputFile::create(o.output, o.force, needs_patching(format)));
+  SCANSION_TRY(written, export_points(reader, s, *writer, file, progress));
+  SCANSION_TRY(file.commit());
+  report(o, s, written);
+  return success();
+}
+
 Result<int> run_export(const Options& o) {
   SCANSION_TRY(selection, selection_of(o));
   SCANSION_TRY(reader, RecordingReader::open(o.recording));
-  const std::string format = o.format.empty() ? (o.output == "-" ? std::string("xyz") : ending_of(o.output)) : o.format;
+  const bool points = o.what == "points" || o.what == "rearrangement";
+  const std::string format =
+      o.format.empty() ? (o.output == "-" ? std::string(points ? "xyz" : "txt") : ending_of(o.output)) : o.format;
   ProgressLine line("export");
   const Progress progress = [&](std::uint64_t done, std::uint64_t total) { line.show(done, total); };
-  if (format == "mcap") {
+  if (o.what == "features") {
+    SCANSION_TRY(write_features(o, reader, selection, format));
+  } else if (o.what == "patches") {
+    SCANSION_TRY(write_patches(o, reader, selection, format, progress));
+  } else if (format == "mcap") {
     SCANSION_TRY(cut_mcap(o, reader, selection));
   } else if (o.what == "rearrangement") {
     SCANSION_TRY(write_rearrangement(o, reader, selection, progress));
@@ -143,7 +195,9 @@ Verb add_export(CLI::App& root) {
   auto o = std::make_shared<Options>();
   app->add_option("recording", o->recording, "The recording")->required();
   app->add_option("-o,--output", o->output, "The output; - is standard output")->required();
-  app->add_option("--what", o->what, "What to write")->check(CLI::IsMember({"points", "rearrangement"}))->capture_default_str();
+  app->add_option("--what", o->what, "What to write")
+      ->check(CLI::IsMember({"points", "rearrangement", "features", "patches"}))
+      ->capture_default_str();
   auto* tolerance =
       app->add_option("--tolerance", o->tolerance, "Keep the points farther than this many mm: error at most this");
   auto* reduction = app->add_option("--reduction", o->reduction, "Leave out this many percent of the points");
@@ -154,7 +208,10 @@ Verb add_export(CLI::App& root) {
       ->check(CLI::IsMember({"line", "scan"}))
       ->capture_default_str();
   app->add_option("--lines", o->lines, "Lines A to B-1 only, as A:B");
-  app->add_option("--format", o->format, "xyz, txt, csv, ply, pcd, obj, json or mcap; default: by the ending of the output");
+  app->add_option("--format", o->format,
+                  "xyz, txt, csv, ply, pcd, obj, json or mcap; features: txt, csv, json, obj, dxf, ply, vtp; patches: txt, "
+                  "csv, ply, json; default: "
+                  "by the ending of the output");
   app->add_option("--unit", o->unit, "Unit of the output; default: that of the input");
   app->add_flag("--float32", o->single, "Write single precision");
   app->add_flag("--force", o->force, "Replace an existing output");

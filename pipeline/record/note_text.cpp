@@ -11,6 +11,8 @@ namespace {
 
 constexpr std::size_t kFull = 1U << 20U; // bytes; a message is closed after this many
 constexpr std::int64_t kNoPatch = -1;
+constexpr double kTenthUm = 1e4; // per mm
+constexpr double kExact = 0.0;
 
 void put(std::string& out, std::uint64_t value) {
   std::array<char, 24> text{};
@@ -21,14 +23,14 @@ void put(std::string& out, double value, double per_unit) {
   // Beyond this the lattice's own counts are coarser than the rounding.
   constexpr double kLargest = 1e11;
   double rounded = std::isfinite(value) ? value : 0.0;
-  if (std::fabs(rounded) < kLargest) rounded = std::nearbyint(rounded * per_unit) / per_unit;
+  if (per_unit > 0.0 && std::fabs(rounded) < kLargest) rounded = std::nearbyint(rounded * per_unit) / per_unit;
   if (rounded == 0.0) rounded = 0.0; // no -0
   std::array<char, 32> text{};
   out.append(text.data(), std::to_chars(text.data(), text.data() + text.size(), rounded).ptr);
 }
 
 void put_mm(std::string& out, double value) {
-  put(out, value, 1e4);
+  put(out, value, kTenthUm);
 }
 void put_value(std::string& out, double value) {
   put(out, value, 1e3);
@@ -72,10 +74,10 @@ void put_elements(std::string& out, const std::array<std::uint32_t, kShapeElemen
   out += '}';
 }
 
-void put_vertex(std::string& out, const FeatureVertex& vertex) {
+void put_vertex(std::string& out, const FeatureVertex& vertex, Rounding rounding) {
   out += '[';
   for (const double value : vertex.position) {
-    put_mm(out, value);
+    put(out, value, rounding == Rounding::none ? kExact : kTenthUm);
     out += ',';
   }
   put(out, vertex.line);
@@ -205,7 +207,7 @@ private:
 
 } // namespace
 
-void append_feature_line(std::string& out, const FeatureLine& line) {
+void append_feature_line(std::string& out, const FeatureLine& line, Rounding rounding) {
   out += '{';
   put_key(out, "id");
   put(out, line.id);
@@ -243,7 +245,7 @@ void append_feature_line(std::string& out, const FeatureLine& line) {
   put_key(out, "junctions");
   put_list(out, line.junctions, [&](std::uint64_t id) { put(out, id); });
   put_key(out, "vertices");
-  put_list(out, line.vertices, [&](const FeatureVertex& vertex) { put_vertex(out, vertex); });
+  put_list(out, line.vertices, [&](const FeatureVertex& vertex) { put_vertex(out, vertex, rounding); });
   out += '}';
 }
 

@@ -11,8 +11,10 @@
 
 namespace scansion {
 
-/// One message, {"id":...}: also what `scansion export` writes of a feature line.
-void append_feature_line(std::string& out, const FeatureLine& line);
+/// Positions of vertices to 0.1 um, or as they are.
+enum class Rounding : std::uint8_t { tenth_um, none };
+/// One feature line, {"id":...}: also what `scansion export` writes.
+void append_feature_line(std::string& out, const FeatureLine& line, Rounding rounding = Rounding::tenth_um);
 
 /// The messages for the two channels: none when there is nothing to say, several when one would be long. Positions are rounded
 /// to 0.1 um, all else to three decimals.
