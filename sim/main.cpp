@@ -4,6 +4,7 @@
 #include "sim/cli/device_verb.hpp"
 #include "sim/cli/progress.hpp"
 #include "sim/cli/scene_verb.hpp"
+#include "sim/device/gocator/gocator_entry.hpp"
 #include "sim/device/scip/scip_entry.hpp"
 
 #include <CLI/CLI.hpp>
@@ -16,7 +17,7 @@ int main(int argc, char** argv) {
   CLI::App app("Synthetic scans and simulated devices, for tests and newcomers", "scansim");
   app.set_version_flag("--version", "scansim " SCANSION_VERSION);
   app.require_subcommand(1);
-  const std::array verbs{add_scene_verb(app), add_device_verb(app, scip_entry())};
+  const std::array verbs{add_scene_verb(app), add_device_verb(app, scip_entry()), add_device_verb(app, gocator_entry())};
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
