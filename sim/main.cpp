@@ -6,6 +6,7 @@
 #include "sim/cli/scene_verb.hpp"
 #include "sim/device/gocator/gocator_entry.hpp"
 #include "sim/device/scip/scip_entry.hpp"
+#include "sim/device/stream/stream_entry.hpp"
 
 #include <CLI/CLI.hpp>
 #include <array>
@@ -17,7 +18,8 @@ int main(int argc, char** argv) {
   CLI::App app("Synthetic scans and simulated devices, for tests and newcomers", "scansim");
   app.set_version_flag("--version", "scansim " SCANSION_VERSION);
   app.require_subcommand(1);
-  const std::array verbs{add_scene_verb(app), add_device_verb(app, scip_entry()), add_device_verb(app, gocator_entry())};
+  const std::array verbs{add_scene_verb(app), add_device_verb(app, scip_entry()), add_device_verb(app, gocator_entry()),
+                         add_device_verb(app, stream_entry())};
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

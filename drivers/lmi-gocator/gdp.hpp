@@ -25,7 +25,7 @@ inline constexpr std::int16_t kNull = -32768;         ///< a sample without a va
 // Offsets from the first byte of a message.
 inline constexpr std::size_t kHead = 6; ///< size u32, control u16
 inline constexpr std::size_t kStampHead = 14;
-inline constexpr std::size_t kOldStamp = 48, kStamp = 56; ///< bytes of a stamp: shortest known, current
+inline constexpr std::size_t kOldStamp = 56, kStamp = 64; ///< bytes of a stamp: shortest, current (with PTP time)
 inline constexpr std::size_t kProfileHead = 16;           ///< up to the width, with which the size is known
 inline constexpr std::size_t kAttributes = 8;             ///< where the attributes begin, whose size stands before them
 inline constexpr std::size_t kOldAttributes = 32, kCurrentAttributes = 48;

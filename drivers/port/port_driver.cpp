@@ -14,7 +14,8 @@ constexpr std::int64_t kSendNs = 1'000'000'000;
 Result<void> PortDriver::open() {
   decoder().reset();
   begin_ = end_ = 0;
-  at_end_ = is_held_ = false;
+  at_end_ = is_held_ = is_finished_ = false;
+  lost_.reset();
   SCANSION_TRY(transport_->open());
   is_open_ = true;
   return success();
@@ -112,11 +113,16 @@ Result<Delivery> PortDriver::next(LineBuffer& line, Gap& gap) {
       }
       case Decoded::more: break;
     }
+    if ((at_end_ || lost_) && !std::exchange(is_finished_, true)) {
+      decoder().finish();
+      continue;
+    }
+    if (lost_) return *lost_;
     if (at_end_) return Delivery::end;
     const Moment moment = now();
     SCANSION_TRY(wake_at, attend(moment));
     if (moment.monotonic_ns >= patience) return Delivery::nothing;
-    SCANSION_TRY(fill(std::min(patience, wake_at)));
+    if (auto filled = fill(std::min(patience, wake_at)); !filled) lost_ = filled.assume_error();
   }
 }
 

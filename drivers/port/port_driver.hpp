@@ -75,6 +75,8 @@ private:
   Moment arrived_;                  ///< of those
   bool is_open_ = false;
   bool at_end_ = false;
+  bool is_finished_ = false;        ///< the decoder was told of the end
+  std::optional<Error> lost_;       ///< the port's error, while the decoder gives what it still has
   std::optional<Moment> line_at_;   ///< in this run
   std::optional<Moment> last_line_; ///< in the run before
   LineBuffer held_;                 ///< the first line after a loss, while its gap is delivered

@@ -24,7 +24,8 @@ public:
     is_given_ = false;
     const auto rest = bytes.subspan(used);
     const void* at = rest.empty() ? nullptr : std::memchr(rest.data(), '\n', rest.size());
-    const std::size_t part = at == nullptr ? rest.size() : static_cast<std::size_t>(static_cast<const std::uint8_t*>(at) - rest.data());
+    const std::size_t part =
+        at == nullptr ? rest.size() : static_cast<std::size_t>(static_cast<const std::uint8_t*>(at) - rest.data());
     hold(rest.first(part));
     used += part;
     if (at == nullptr) return std::nullopt;
