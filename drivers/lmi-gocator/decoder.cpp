@@ -40,6 +40,8 @@ void GocatorDecoder::reset() {
   group_is_doubtful_ = group_has_profile_ = group_ended_ = has_profile_ = false;
   source_.reset();
   camera_.reset();
+  strangers_ = 0;
+  doubtful_scales_ = {};
   waits_ = false;
   row_ = rows_ = 0;
   is_refusing_ = false;
@@ -120,19 +122,34 @@ bool GocatorDecoder::is_ours() {
   if (choice_.camera && *choice_.camera != profile_.camera) return false;
   if (!source_) source_ = profile_.source;
   if (!camera_) camera_ = profile_.camera;
+  if (*source_ == profile_.source && *camera_ == profile_.camera) return true;
+  if (++strangers_ < 2) return false; // one may be a wrong bit
   if (*source_ != profile_.source) {
     refuse("the sensor sends profiles of several sources; choose one with source = \"top\" or another");
-  } else if (*camera_ != profile_.camera) {
+  } else {
     refuse("the sensor sends profiles of several cameras; choose one with camera = 0 or 1");
   }
-  return !is_refusing_;
+  return false;
 }
 
-std::optional<Reject> GocatorDecoder::check_profile() const noexcept {
+/// Scales and offsets.
+std::array<std::int64_t, 4> GocatorDecoder::scales_nm() const noexcept {
+  return {profile_.x_nm, profile_.z_nm, profile_.x_um * kNmPerUm, profile_.z_um * kNmPerUm};
+}
+
+bool GocatorDecoder::is_on_lattice() const noexcept {
+  const auto nm = scales_nm();
+  return std::all_of(nm.begin(), nm.end(), [this](std::int64_t value) { return value % count_nm_ == 0; });
+}
+
+std::optional<Reject> GocatorDecoder::check_profile() {
   if (profile_.x_nm == 0 || profile_.z_nm == 0 || group_is_doubtful_) return Reject::value;
   if (group_has_profile_) return Reject::count;
   if (!stamps_.empty() && stamps_.size() != profile_.count) return Reject::count;
-  return std::nullopt;
+  if (count_nm_ == 0 || rounds_ || is_on_lattice()) return std::nullopt;
+  // The job was changed, or a bit is wrong: the next profile tells.
+  if (std::exchange(doubtful_scales_, scales_nm()) == scales_nm()) return std::nullopt;
+  return Reject::value;
 }
 
 void GocatorDecoder::take_profile() {
@@ -163,9 +180,8 @@ void GocatorDecoder::take_profile() {
 
 /// Whether the profile lies on the lattice; refuses it when not.
 bool GocatorDecoder::fits() {
-  const std::int64_t nm[] = {profile_.x_nm, profile_.z_nm, std::int64_t{profile_.x_um} * kNmPerUm,
-                             std::int64_t{profile_.z_um} * kNmPerUm};
-  is_exact_ = std::all_of(std::begin(nm), std::end(nm), [&](std::int64_t v) { return v % count_nm_ == 0; });
+  const auto nm = scales_nm();
+  is_exact_ = is_on_lattice();
   if (!is_exact_ && !rounds_) {
     refuse("the sensor's scales have changed; its recording goes on in a new file");
     return false;

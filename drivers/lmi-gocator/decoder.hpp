@@ -6,6 +6,8 @@
 #include "drivers/port/decoder.hpp"
 #include "drivers/port/spacing.hpp"
 
+#include <array>
+
 namespace scansion {
 
 /// Which of several profiles of a frame is the scan line. Empty: there is only one, another one is refused.
@@ -54,7 +56,9 @@ private:
   void note_other(gdp::Type type);
   void take_stamps();
   void take_profile();
-  [[nodiscard]] std::optional<Reject> check_profile() const noexcept;
+  [[nodiscard]] std::optional<Reject> check_profile();
+  [[nodiscard]] std::array<std::int64_t, 4> scales_nm() const noexcept;
+  [[nodiscard]] bool is_on_lattice() const noexcept;
   [[nodiscard]] bool is_ours();
   void begin_message();
   void drop_message() noexcept;
@@ -86,6 +90,8 @@ private:
   bool group_ended_ = false; ///< with the message before
   bool has_profile_ = false; ///< since reset()
   std::optional<std::uint8_t> source_, camera_;
+  int strangers_ = 0;                             ///< profiles of another source or camera
+  std::array<std::int64_t, 4> doubtful_scales_{}; ///< off the lattice; a second profile may prove them right
   gdp::Profile profile_;
   bool waits_ = false;     ///< profile_ waits for the lattice
   std::uint32_t row_ = 0;  ///< next of profile_ to hand out

@@ -35,8 +35,8 @@ public:
   [[nodiscard]] virtual Step decode(std::span<const std::uint8_t> bytes, const Moment& at, LineBuffer& line, Gap& gap) = 0;
   /// Forgets half a frame: the connection is new.
   virtual void reset() = 0;
-  /// The source came to its end or was lost: a line whose end only a later byte would tell is over.
-  virtual void finish() {}
+  /// The source came to its end or was lost, at `now`: a line whose end only a later byte would tell is over.
+  virtual void finish(const Moment& /*now*/) {}
 };
 
 } // namespace scansion

@@ -114,7 +114,7 @@ Result<Delivery> PortDriver::next(LineBuffer& line, Gap& gap) {
       case Decoded::more: break;
     }
     if ((at_end_ || lost_) && !std::exchange(is_finished_, true)) {
-      decoder().finish();
+      decoder().finish(now());
       continue;
     }
     if (lost_) return *lost_;

@@ -46,8 +46,10 @@ void StreamDecoder::lose(Reject cause) {
   is_in_run_ = false;
 }
 
-void StreamDecoder::close_line() {
+void StreamDecoder::close_line(const Moment& over) {
   if (open_.points() == 0 && invalid_ == 0) return;
+  open_.stamps.host_monotonic_ns = over.monotonic_ns;
+  open_.stamps.host_realtime_ns = over.realtime_ns;
   open_.invalid_after = invalid_;
   std::swap(open_, done_);
   open_.clear();
@@ -57,6 +59,12 @@ void StreamDecoder::close_line() {
   direction_ = 0;
   last_at_.reset();
   ++line_;
+}
+
+/// The stamp is the same whether the clock or the next byte tells of the pause.
+void StreamDecoder::close_after_pause() {
+  const Moment last = *last_at_;
+  close_line({last.monotonic_ns + plan_.pause_ns, last.realtime_ns + plan_.pause_ns});
 }
 
 /// Where a line without a y stands, by its first record.
@@ -108,7 +116,7 @@ void StreamDecoder::split_line(std::uint32_t keep) {
   const std::uint32_t invalid = std::exchange(invalid_, 0U);
   const Stamps stamps = open_.stamps;
   const std::optional<Moment> at = last_at_;
-  close_line();
+  close_line(at_);
   std::swap(open_, spare_);
   open_.stamps = stamps;
   is_in_run_ = was_in_run;
@@ -152,7 +160,7 @@ void StreamDecoder::follow_axis() {
 void StreamDecoder::begin_line_at(std::int64_t number) {
   if (number_ == number) return;
   if (number_) { // what was lost before the first number belongs to the first line
-    close_line();
+    close_line(at_);
     const std::int64_t leap = number - *number_;
     if (leap > 1) {
       gap_.emplace();
@@ -171,10 +179,10 @@ void StreamDecoder::begin_line_at(std::int64_t number) {
 
 void StreamDecoder::take_record() {
   counters_.accept();
-  if (plan_.pause_ns > 0 && last_at_ && at_.monotonic_ns - last_at_->monotonic_ns >= plan_.pause_ns) close_line();
+  if (plan_.pause_ns > 0 && last_at_ && at_.monotonic_ns - last_at_->monotonic_ns >= plan_.pause_ns) close_after_pause();
   if (plan_.line_break == Break::field) begin_line_at(*record_.line);
   const bool is_full = open_.points() >= kMostPoints || (plan_.line_break == Break::points && records_ >= plan_.points);
-  if (is_full) close_line();
+  if (is_full) close_line(at_);
   last_at_ = at_;
   ++records_;
   if (record_.is_invalid) {
@@ -184,12 +192,10 @@ void StreamDecoder::take_record() {
     append();
     if (plan_.line_break == Break::reversal) follow_axis();
   }
-  open_.stamps.host_monotonic_ns = at_.monotonic_ns;
-  open_.stamps.host_realtime_ns = at_.realtime_ns;
   if (record_.time_ns) open_.stamps.device_ns = record_.time_ns;
   if (record_.encoder) open_.stamps.encoder = record_.encoder;
   // The last record of a line of known length ends it at once.
-  if (plan_.line_break == Break::points && records_ == plan_.points) close_line();
+  if (plan_.line_break == Break::points && records_ == plan_.points) close_line(at_);
 }
 
 bool StreamDecoder::take_row(std::span<const std::uint8_t> bytes, std::size_t& used) {
@@ -202,12 +208,12 @@ bool StreamDecoder::take_row(std::span<const std::uint8_t> bytes, std::size_t& u
   if (!whole) return false;
   const std::string_view row = trimmed(*whole);
   if (row.empty()) {
-    if (plan_.line_break == Break::blank) close_line();
+    if (plan_.line_break == Break::blank) close_line(at_);
     return true;
   }
   if (plan_.line_break == Break::mark && row == plan_.mark) {
     counters_.accept();
-    close_line();
+    close_line(at_);
     return true;
   }
   if (!plan_.comment.empty() && row.starts_with(plan_.comment)) return true;
@@ -256,8 +262,13 @@ std::int64_t StreamDecoder::look_for_pause(const Moment& now) {
   if (plan_.pause_ns == 0 || !last_at_) return INT64_MAX;
   const std::int64_t over = last_at_->monotonic_ns + plan_.pause_ns;
   if (now.monotonic_ns < over) return over;
-  close_line();
+  close_after_pause();
   return now.monotonic_ns;
+}
+
+void StreamDecoder::finish(const Moment& now) {
+  static_cast<void>(look_for_pause(now));
+  if (last_at_) close_line(*last_at_);
 }
 
 Decoder::Step StreamDecoder::decode(std::span<const std::uint8_t> bytes, const Moment& at, LineBuffer& line, Gap& gap) {

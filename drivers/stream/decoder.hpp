@@ -20,7 +20,7 @@ public:
 
   Step decode(std::span<const std::uint8_t> bytes, const Moment& at, LineBuffer& line, Gap& gap) override;
   void reset() override;
-  void finish() override { close_line(); }
+  void finish(const Moment& now) override;
 
   /// Ends the line when `now` is a pause after its last byte. When to ask again; the largest number: not before bytes come.
   std::int64_t look_for_pause(const Moment& now);
@@ -38,7 +38,9 @@ private:
   void append();
   void follow_axis();
   void split_line(std::uint32_t keep);
-  void close_line();
+  /// The line in work is over, as was known at `over`; that is its stamp. Nothing, if there is none.
+  void close_line(const Moment& over);
+  void close_after_pause();
   [[nodiscard]] std::int32_t way_counts();
 
   LinkCounters& counters_;

@@ -21,12 +21,14 @@ bool StreamDevice::is_running() const noexcept {
 
 void StreamDevice::connected(std::int64_t now_ns) {
   has_host_ = true;
+  if (plan_.is_asked && !was_asked_) return;
   if (!std::exchange(has_started_, true)) next_ns_ = now_ns;
 }
 
-/// A serial host that sends anything is there.
 void StreamDevice::receive(std::span<const std::uint8_t> bytes, std::int64_t now_ns) {
-  if (!knows_its_host_ && !bytes.empty()) connected(now_ns);
+  if (bytes.empty()) return;
+  was_asked_ = true;
+  connected(now_ns);
 }
 
 Result<void> StreamDevice::fault(const DeviceFault& fault, bool /*starts*/, std::int64_t /*now_ns*/) {
@@ -98,7 +100,7 @@ void StreamDevice::append_record(const PlayedPoint& point, bool is_bad, std::vec
 }
 
 bool StreamDevice::send(std::int64_t now_ns, std::vector<std::uint8_t>& out) {
-  if (!knows_its_host_ && !has_started_) connected(now_ns);
+  if (!knows_its_host_ && !has_started_) connected(now_ns); // a serial line tells of no host
   if (!is_running() || (!plan_.at_maximum && now_ns < next_ns_)) return false;
   auto more = source_.next(line_);
   if (!more || !more.assume_value()) {

@@ -24,6 +24,7 @@ struct StreamPlan {
   bool has_blank = true; ///< a blank row behind each line of text
   std::string mark;      ///< this row behind each line instead
   std::string head;      ///< text before everything else
+  bool is_asked = false; ///< begins when the host has sent something
 };
 
 /// The part arrives with the first host, or at once on a serial line, which tells of none. From then on it moves at its rate.
@@ -58,6 +59,7 @@ private:
   std::int64_t next_ns_ = 0;
   bool has_host_ = false;
   bool has_started_ = false;
+  bool was_asked_ = false;
   bool is_done_ = false;
 };
 

@@ -51,6 +51,7 @@ SimulatedDevice stream_entry() {
     app.add_option("--sync", options->sync, "bytes in hex in front of every binary record");
     app.add_option("--mark", plan.mark, "row behind every line of text, instead of a blank one");
     app.add_flag("!--no-blank", plan.has_blank, "no row between lines of text");
+    app.add_flag("--asked", plan.is_asked, "begin when the host has sent something");
     app.add_option("--head", plan.head, "text before everything else");
   };
   out.make = [options](LineSource source, const DevicePlan& common) -> Result<std::unique_ptr<DeviceModel>> {
