@@ -13,6 +13,8 @@ namespace {
 
 __extension__ using Wide = __int128;
 
+constexpr std::int32_t kMostDecimals = 21; ///< with which 127 bits hold twice a divisor
+
 constexpr bool is_separator(char c) noexcept {
   return c == ' ' || c == '\t' || c == ',' || c == ';';
 }
@@ -61,10 +63,10 @@ Result<Rational> factor_of(const Field& field, Rational resolution) {
 } // namespace
 
 std::optional<Rounded> round_to(const Number& number, Rational factor, std::int64_t most) noexcept {
-  if (number.kind == NumberKind::decimal && std::abs(number.exponent) <= kMaxDigits) {
+  if (number.kind == NumberKind::decimal && number.exponent >= -kMostDecimals && number.exponent <= kMaxDigits) {
     Wide top = Wide{number.mantissa} * factor.num;
     Wide bottom = factor.den;
-    if (number.exponent < 0) bottom *= kPowersOfTen[static_cast<std::size_t>(-number.exponent)];
+    for (std::int32_t i = 0; i > number.exponent; --i) bottom *= 10;
     for (std::int32_t i = 0; i < number.exponent; ++i) {
       top *= 10;
       if (top / factor.den > most || top / factor.den < -Wide{most}) return std::nullopt;

@@ -23,9 +23,9 @@ class Simulator:
 
     def _heading(self):
         line = self.process.stderr.readline()
-        found = re.search(r" on (?:tcp )?(\S+)$", line)
+        found = re.search(r" on (?:tcp )?(\S+)", line)
         if not found:
-            raise AssertionError(f"the simulator did not start: {line}{self.process.stderr.read()}")
+            raise AssertionError(f"the simulator did not start: {line}")
         return found.group(1)
 
     def stop(self):

@@ -4,7 +4,7 @@ import os
 import socket
 import unittest
 
-from port_driver_kit import LONG, PortDriverTest, exported
+from port_driver_kit import LONG, PortDriverTest, exported, recordings
 from simulator import Simulator, cpu_seconds, descriptors, memory_kib
 
 CYCLES = 200 if LONG else 4
@@ -63,7 +63,6 @@ class Stream(PortDriverTest):
         link = os.path.join(self.folder, "tty")
         Simulator(self, "stream", "--scan", self.scan_path, "--rate", "max", "--pty", link, "--asked", tcp=False)
         device = self.device(port=link, start="GO\r\n")
-        # The device must not speak before it is asked: it has no host to know of.
         path, _ = self.record(device, 300)
         self.difference(exported(path), want)
         self.check_transcript(device, path, 300)
@@ -74,14 +73,13 @@ class Stream(PortDriverTest):
             probe.bind(("127.0.0.1", 0))
             port = probe.getsockname()[1]
         daemon = self.daemon([self.device(udp=f"127.0.0.1:{port}")]).start()
-        daemon.until_state("streaming") if daemon.device()["state"] == "streaming" else None
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as link:
             daemon.until(lambda: daemon.device()["state"] in ("streaming", "stale", "starting"), "it listens")
             for line in scan:
                 link.sendto("".join(" ".join(p) + "\n" for p in line).encode() + b"\n", ("127.0.0.1", port))
         daemon.until_written(100)
         daemon.stop(self)
-        self.difference(exported(daemon.files()[0]), self.counts(scan))
+        self.difference(exported(recordings(daemon)[0]), self.counts(scan))
 
     def test_file_with_a_last_line_without_an_end(self):
         scan = self.scan(30)
@@ -101,7 +99,7 @@ class Stream(PortDriverTest):
             out.write(source.read())
         daemon.until_written(30)
         daemon.stop(self)
-        self.difference(exported(daemon.files()[0]), self.counts(scan))
+        self.difference(exported(recordings(daemon)[0]), self.counts(scan))
 
     def test_no_wrong_point_is_accepted_under_noise(self):
         want = self.counts(self.scan(400, points=50))
@@ -119,7 +117,7 @@ class Stream(PortDriverTest):
                 daemon.stop(self)
                 simulator.stop()
                 ys = []
-                for line in exported(daemon.files()[0]):
+                for line in exported(recordings(daemon)[0]):
                     ys.append(line[0][1])
                     self.assertTrue(set(line) <= truth[line[0][1]], "a point that was never sent")
                 self.assertEqual(ys, sorted(set(ys)), "each line once, in order")
@@ -137,7 +135,7 @@ class Stream(PortDriverTest):
         self.assertLess(memory_kib(pid), before[1] + 8192)
         self.assertGreater(cpu_seconds(pid), 0)
         daemon.stop(self)
-        self.check_sound(daemon.files()[0])
+        self.check_sound(recordings(daemon)[0])
 
 
 if __name__ == "__main__":
