@@ -16,8 +16,8 @@ constexpr std::array<std::string_view, 4> kSources{"top", "bottom", "top-left", 
 
 Result<std::optional<std::uint8_t>> parse_source(std::string_view text) {
   if (text == "any") return std::optional<std::uint8_t>();
-  for (std::uint8_t i = 0; i < kSources.size(); ++i) {
-    if (text == kSources[i]) return std::optional<std::uint8_t>(i);
+  for (std::size_t i = 0; i < kSources.size(); ++i) {
+    if (text == kSources[i]) return std::optional<std::uint8_t>(static_cast<std::uint8_t>(i));
   }
   return fail(Errc::config, "is none of any, top, bottom, top-left, top-right");
 }

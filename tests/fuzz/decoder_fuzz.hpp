@@ -31,7 +31,8 @@ void feed(Decoder& decoder, const LinkCounters& counters, std::span<const std::u
           if (run.count == 0 || run.first != points) std::abort();
           points += run.count;
         }
-        if (points != line.points() || points != line.xyz[2].size() || points > most_points || counters.accepted == 0)
+        if (points != line.points() || points != line.xyz[2].size() || points > most_points ||
+            (points > 0 && counters.accepted == 0))
           std::abort();
       }
       line.clear();
