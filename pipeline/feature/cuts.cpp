@@ -38,7 +38,6 @@ void Cuts::add(double s0, double c0, double s1, double c1, BorderKind kind, bool
 void Cuts::take_track(const Track& track, double settled) {
   const std::uint64_t id = track.id | (track.pass == Pass::crosswise ? Track::kCrosswiseBit : 0U);
   const std::size_t n = track.points.size();
-  const bool grows = track.pass == Pass::lengthwise && track.ends == FeatureEnd::open;
   for (std::size_t i = 0; i < n; ++i) {
     const TrackPoint& p = track.points[i];
     if (!cuts(p)) continue;
@@ -56,7 +55,7 @@ void Cuts::take_track(const Track& track, double settled) {
       if (length > 0.0) ends_.push_back({s, c, ds / length, dc / length, kind_of(p.feature), id});
     };
     if (i == 0 || !cuts(track.points[i - 1])) push_end(false);
-    if (i + 1 == n ? !grows : !cuts(track.points[i + 1])) push_end(true);
+    if (i + 1 == n ? !track.growing : !cuts(track.points[i + 1])) push_end(true);
   }
 }
 

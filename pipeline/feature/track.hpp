@@ -47,6 +47,7 @@ struct Track {
   std::uint64_t near_id = 0;    ///< a longer track that runs beside it ...
   std::uint32_t near_lines = 0; ///< ... for so many lines in a row
   bool confirmed = false;
+  bool growing = false; ///< lengthwise: its last point may get a successor
 
   [[nodiscard]] bool convex() const noexcept { return points.front().feature.convex(); }
   [[nodiscard]] double s_of(const TrackPoint& p) const noexcept { return pass == Pass::lengthwise ? p.smooth_q : p.r; }

@@ -114,6 +114,7 @@ bool Tracker::guide(Track& track, const Expectation& expected, const Profile& pr
 void Tracker::end(Track& track, FeatureEnd reason, std::vector<Track>& ended) {
   track.cut_guided_end();
   track.ends = reason;
+  track.growing = false;
   if (!track.confirmed) track.confirmed = is_confirmed(track);
   if (track.confirmed && is_confirmed(track)) ended.push_back(std::move(track));
   track.points.clear();
@@ -158,7 +159,7 @@ void Tracker::bear(const Profile& profile, std::int64_t step, const std::vector<
     if (near) continue;
     Track track;
     track.id = next_id_++;
-    track.ends = FeatureEnd::open;
+    track.growing = true;
     track.points.push_back(track_point(profile, step, points[i]));
     track.means.start(points[i]);
     live_.push_back(std::move(track));
