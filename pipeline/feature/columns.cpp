@@ -18,7 +18,9 @@ constexpr double kMostMissed = 3.6;          // spacings within a window
 } // namespace
 
 Columns::Columns(const Sampling& sampling) : pitch_(sampling.pitch) {
-  window_ = FitScale::of(sampling.noise, sampling.spacing, sampling.coarse()).least_window;
+  // Narrow features want narrow windows; the noise decides how narrow.
+  window_ = std::max<std::size_t>(kNarrowest, FitScale::wanted_window(sampling.noise, sampling.spacing));
+  reach_ = std::max(kReach * window_, kLeastReach);
   ring_.resize(2 * lag() + 3);
 }
 
@@ -159,7 +161,7 @@ void Columns::measure_bend(std::int64_t r, std::size_t column, const Sampling& s
                            std::vector<ColumnPoint>& out) {
   // The fit does not pass rows that bend half as much themselves, nor walls.
   const float own = std::abs(row(r).bend[column]);
-  const auto reach = static_cast<std::int64_t>(kReach * window_);
+  const auto reach = static_cast<std::int64_t>(reach_);
   const auto n = static_cast<std::int64_t>(window_);
   std::int64_t low = r, high = r;
   const auto blocks = [&](std::int64_t k, std::int64_t neighbour) {

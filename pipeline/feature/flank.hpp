@@ -6,6 +6,9 @@
 
 namespace scansion {
 
+/// A gap of fewer samples tells nothing about a rounding, and moves no edge by more than they do.
+inline constexpr std::uint32_t kLeastGap = 3;
+
 struct Flank {
   double s = 0.0, w = 0.0; ///< a place of it: the middle of its samples
   double slope = 0.0;      ///< dw / ds
@@ -13,6 +16,8 @@ struct Flank {
   std::uint32_t samples = 0;
   std::uint32_t gap = 0; ///< samples between the edge and the flank
   bool straight = false; ///< within the noise
+  bool rounded = false;  ///< the gap is a rounding
+  bool chamfered = false;      ///< what lies between the edge and the flank is straight itself
   [[nodiscard]] double at(double place) const noexcept { return w + slope * (place - s); }
 };
 

@@ -193,7 +193,8 @@ void reach_flanks(Bend& bend, const Heights& h, std::uint32_t k, std::uint32_t f
   const auto most = static_cast<std::uint32_t>(std::min(400.0, std::ceil(kLargest * scale.arc_radius / scale.pitch)));
   const Flank l = find_flank(h, k - 1, first, window, most, scale);
   const Flank r = find_flank(h, k + 1, last, window, most, scale);
-  if (l.gap + r.gap == 0 || !l.straight || !r.straight || l.samples < 4 || r.samples < 4) return;
+  if (!(l.rounded || r.rounded) || !l.straight || !r.straight || l.samples < 4 || r.samples < 4) return;
+  if (l.chamfered || r.chamfered) return;
   if (std::abs(l.slope - r.slope) < 1e-9) return;
   const double u = ((r.w - r.slope * (r.s - bend.s)) - (l.w - l.slope * (l.s - bend.s))) / (l.slope - r.slope);
   const double s = bend.s + u;
@@ -227,12 +228,16 @@ double Bend::significance() const noexcept {
   return std::abs(tau) / sigma_tau;
 }
 
+std::uint32_t FitScale::wanted_window(double noise, double pitch) noexcept {
+  const double wanted = std::cbrt(12.0 * noise * noise / (pitch * pitch * 0.026 * 0.026));
+  return static_cast<std::uint32_t>(std::min(24.0, std::ceil(wanted)));
+}
+
 FitScale FitScale::of(double noise, double pitch, double coarse) noexcept {
   FitScale scale;
   scale.noise = noise;
   scale.pitch = pitch;
-  const double wanted = std::cbrt(12.0 * noise * noise / (pitch * pitch * 0.026 * 0.026));
-  scale.least_window = static_cast<std::uint32_t>(std::clamp(std::ceil(wanted), 5.0, 24.0));
+  scale.least_window = std::max(5U, wanted_window(noise, pitch));
   scale.arc_radius = std::max(3.0, 6.0 * coarse);
   return scale;
 }

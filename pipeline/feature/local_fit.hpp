@@ -36,6 +36,8 @@ struct FitScale {
   std::uint32_t least_window = 5;  ///< N0: samples a side for a slope within 1.5 degrees
   double arc_radius = 3.0;         ///< r_arc: an arc of a larger radius is no feature
 
+  /// Samples a side for a slope within 1.5 degrees, at most 24.
+  static std::uint32_t wanted_window(double noise, double pitch) noexcept;
   static FitScale of(double noise, double pitch, double coarse) noexcept;
 };
 
