@@ -108,9 +108,9 @@ void Columns::finish(const Sampling& sampling, std::vector<ColumnPoint>& out) {
 void Columns::screen(std::int64_t r, const Sampling& sampling) {
   Row& centre = row(r);
   const auto n = static_cast<std::int64_t>(window_);
-  // At least three rows a side; fewer than N at the ends of the scan.
+  // At least two rows a side; fewer than N at the ends of the scan.
   const std::int64_t low = std::max(first_, r - n), high = std::min(next_ - 1, r + n);
-  if (r - low < 3 || high - r < 3) return;
+  if (r - low < 2 || high - r < 2) return;
   const auto weigh = [&](std::int64_t from, std::int64_t to, std::vector<double>& weights) {
     double mean = 0.0, square = 0.0;
     for (std::int64_t k = from; k <= to; ++k) mean += row(k).c;
@@ -173,13 +173,20 @@ void Columns::measure_bend(std::int64_t r, std::size_t column, const Sampling& s
     const float b = std::abs(row(k).bend[column]);
     return b >= 0.5F * own && b >= std::abs(row(k - 1).bend[column]) && b >= std::abs(row(k + 1).bend[column]);
   };
-  while (low - 1 >= std::max(first_, r - reach) && !blocks(low - 1, low)) {
-    --low;
-    if (peak(low)) break;
+  bool walled = false;
+  while (low - 1 >= std::max(first_, r - reach)) {
+    if (blocks(low - 1, low)) {
+      walled = true;
+      break;
+    }
+    if (peak(--low)) break;
   }
-  while (high + 1 <= std::min(next_ - 1, r + reach) && !blocks(high + 1, high)) {
-    ++high;
-    if (peak(high)) break;
+  while (high + 1 <= std::min(next_ - 1, r + reach)) {
+    if (blocks(high + 1, high)) {
+      walled = true;
+      break;
+    }
+    if (peak(++high)) break;
   }
   if (r - low < 2 || high - r < 2) return;
   s_.clear();
@@ -196,10 +203,22 @@ void Columns::measure_bend(std::int64_t r, std::size_t column, const Sampling& s
   const auto last = static_cast<std::uint32_t>(s_.size() - 1);
   const auto bend = find_bend({s_, w_}, k, {0, last, 0, last}, scale);
   if (!bend) return;
+  if (walled && is_part_of_step(r, column, bend->s, scale)) return;
   ColumnPoint point = column_point(r, column, make_point(*bend, 0, scale));
   point.feature.width = std::log2(std::max(1.0, std::abs(static_cast<double>(own)) * static_cast<double>(window_) *
                                                     sampling.spacing / 4.0 / least_distance(scale.noise)));
   out.push_back(point);
+}
+
+// Whether place c of a column lies within a step, or in what rounds its edges.
+bool Columns::is_part_of_step(std::int64_t r, std::size_t column, double c, const FitScale& scale) {
+  copy_column(r, column, static_cast<std::int64_t>(lag()));
+  found_.clear();
+  walls_.clear();
+  steps_.find({s_, w_}, 0, static_cast<std::uint32_t>(s_.size()), scale, found_, walls_);
+  return std::any_of(walls_.begin(), walls_.end(), [&](const WallRun& wall) {
+    return wall.step && c >= s_[wall.low] - scale.pitch && c <= s_[wall.high] + scale.pitch;
+  });
 }
 
 // A wall between row r and the next one.

@@ -37,7 +37,7 @@ public:
 
 private:
   static constexpr std::size_t kReach = 2;      // widest window in units of the least one
-  static constexpr std::size_t kNarrowest = 3;  // rows
+  static constexpr std::size_t kNarrowest = 2;  // rows
   static constexpr std::size_t kLeastReach = 10; // rows
 
   struct Row {
@@ -57,6 +57,7 @@ private:
   void harvest(std::int64_t r, const Sampling& sampling, std::vector<ColumnPoint>& out);
   void measure_bend(std::int64_t r, std::size_t column, const Sampling& sampling, const FitScale& scale,
                     std::vector<ColumnPoint>& out);
+  [[nodiscard]] bool is_part_of_step(std::int64_t r, std::size_t column, double c, const FitScale& scale);
   void measure_step(std::int64_t r, std::size_t column, const FitScale& scale, std::vector<ColumnPoint>& out);
   void copy_column(std::int64_t r, std::size_t column, std::int64_t reach);
   [[nodiscard]] ColumnPoint column_point(std::int64_t r, std::size_t column, const FeaturePoint& feature) const;

@@ -27,7 +27,7 @@ struct WallTest {
     if (dw <= weak) return false;
     const double ds = h.s[k + 1] - h.s[k];
     if (dw > kWallSlope * ds && dw > strong) return true;
-    if (dw <= 0.7 * ds || k < begin + 1 || k + 2 >= end) return false;
+    if (dw <= 0.5 * ds || k < begin + 1 || k + 2 >= end) return false;
     return std::abs(h.w[k] - h.w[k - 1]) < 0.35 * dw && std::abs(h.w[k + 2] - h.w[k + 1]) < 0.35 * dw;
   }
   [[nodiscard]] bool grows(const Heights& h, std::uint32_t k, bool rising) const noexcept {
