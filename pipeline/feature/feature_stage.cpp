@@ -15,7 +15,7 @@ namespace {
 
 // A feature line is published when it has so many vertices; more when it turns less.
 bool is_enough(const Curve& curve) {
-  constexpr std::size_t kStrong = 5, kFair = 10, kWeak = 20;
+  constexpr std::size_t kStrong = 5, kFair = 8, kWeak = 14;
   double turning = 0.0;
   std::size_t guided = 0;
   for (const CurvePoint& p : curve.points) {

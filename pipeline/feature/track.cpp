@@ -79,7 +79,7 @@ Axis axis_of(const Track& track, TrackEnd end) {
 bool is_confirmed(const Track& track) {
   constexpr std::size_t kPoints = 5;
   // What turns little must be seen more often: noise and the polygons of smooth surfaces turn little too.
-  constexpr std::size_t kFairPoints = 8, kWeakPoints = 12;
+  constexpr std::size_t kFairPoints = 6, kWeakPoints = 9;
   constexpr double kTurning = 8.0, kWeak = 20.0, kStrong = 30.0, kSharpness = 1.5, kSharpest = 6.0;
   const std::size_t n = track.points.size();
   if (n < kPoints) return false;
