@@ -36,8 +36,8 @@ public:
   [[nodiscard]] double pitch() const noexcept { return pitch_; }
 
 private:
-  static constexpr std::size_t kReach = 2;      // widest window in units of the least one
-  static constexpr std::size_t kNarrowest = 2;  // rows
+  static constexpr std::size_t kReach = 2;       // widest window in units of the least one
+  static constexpr std::size_t kNarrowest = 2;   // rows
   static constexpr std::size_t kLeastReach = 10; // rows
 
   struct Row {

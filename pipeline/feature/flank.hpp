@@ -14,10 +14,10 @@ struct Flank {
   double slope = 0.0;      ///< dw / ds
   double length = 0.0;     ///< mm along s
   std::uint32_t samples = 0;
-  std::uint32_t gap = 0; ///< samples between the edge and the flank
-  bool straight = false; ///< within the noise
-  bool rounded = false;  ///< the gap is a rounding
-  bool chamfered = false;      ///< what lies between the edge and the flank is straight itself
+  std::uint32_t gap = 0;  ///< samples between the edge and the flank
+  bool straight = false;  ///< within the noise
+  bool rounded = false;   ///< the gap is a rounding
+  bool chamfered = false; ///< what lies between the edge and the flank is straight itself
   [[nodiscard]] double at(double place) const noexcept { return w + slope * (place - s); }
 };
 
