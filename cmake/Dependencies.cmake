@@ -12,3 +12,4 @@ pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)     # blobs and repeati
 pkg_check_modules(ARCHIVE REQUIRED IMPORTED_TARGET libarchive) # tar, xz, gz, zst inputs
 pkg_check_modules(SYSTEMD REQUIRED IMPORTED_TARGET libsystemd) # READY, STOPPING, WATCHDOG
 pkg_check_modules(SERIALPORT REQUIRED IMPORTED_TARGET libserialport) # serial ports: custom rates, all adapters
+pkg_check_modules(CAIRO REQUIRED IMPORTED_TARGET cairo)       # pictures of `scansion view`; the daemon does not link it

@@ -31,6 +31,7 @@ struct Verb {
 [[nodiscard]] Verb add_verify(CLI::App& root);
 [[nodiscard]] Verb add_recover(CLI::App& root);
 [[nodiscard]] Verb add_compare(CLI::App& root);
+[[nodiscard]] Verb add_view(CLI::App& root);
 [[nodiscard]] Verb add_status(CLI::App& root);
 [[nodiscard]] Verb add_devices(CLI::App& root);
 [[nodiscard]] Verb add_completion(CLI::App& root);
