@@ -41,6 +41,13 @@ public:
   /// must be asked for in ascending c.
   void at(double last_c, double c, double pitch, std::vector<Cut>& in_line, std::vector<Cut>& across);
 
+  /// The scan goes on somewhere else.
+  void restart() noexcept {
+    taken_ = -1e300;
+    segments_.clear();
+    ends_.clear();
+  }
+
 private:
   struct End {
     double s = 0.0, c = 0.0, ds = 0.0, dc = 0.0; // outwards

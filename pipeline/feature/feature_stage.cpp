@@ -41,8 +41,8 @@ struct FeatureStage::Impl {
         finder(settings.linking), publisher(origin_mm(counts, resolution)), origin(origin_mm(counts, resolution)) {}
 
   void take(const LineGroup& group, const ScanLine& line, std::span<const double> distance, RawLine& out) const;
-  void begin();
-  void process(const RawLine& line);
+  void begin(FeatureReport& report);
+  void process(const RawLine& line, FeatureReport& report);
   void publish(FeatureReport& report);
 
   double resolution;
@@ -82,7 +82,7 @@ void FeatureStage::Impl::take(const LineGroup& group, const ScanLine& line, std:
   }
 }
 
-void FeatureStage::Impl::begin() {
+void FeatureStage::Impl::begin(FeatureReport& report) {
   frame = frame_finder.frame();
   patches.emplace(*frame, origin);
   // The sampling is wanted before the first line is searched.
@@ -90,17 +90,21 @@ void FeatureStage::Impl::begin() {
     make_profile(line, *frame, profile);
     estimator.add(profile);
   }
-  for (const RawLine& line : waiting) process(line);
+  for (const RawLine& line : waiting) process(line, report);
   waiting.clear();
 }
 
-void FeatureStage::Impl::process(const RawLine& line) {
+void FeatureStage::Impl::process(const RawLine& line, FeatureReport& report) {
   constexpr double kSamePlace = 0.3; // spacings
   make_profile(line, *frame, profile);
   if (profile.size() < 2) return;
   const Sampling sampling = estimator.value();
   if (last_c && profile.c < *last_c - kSamePlace * sampling.spacing) {
     finder.finish(sampling, FeatureEnd::gap, curves);
+    publish(report);
+    patches->finish(sampling, report);
+    patches->restart();
+    finder.cuts().restart();
   } else if (last_c && profile.c - *last_c < kSamePlace * sampling.spacing) {
     ++refused;
     return;
@@ -109,6 +113,8 @@ void FeatureStage::Impl::process(const RawLine& line) {
   spikes.clean(profile, sampling.noise);
   finder.add(profile, sampling, curves);
   patches->hold(profile);
+  // By lines and not by groups: what is found must not depend on how lines are grouped.
+  if (finder.has_settled()) publish(report);
 }
 
 void FeatureStage::Impl::publish(FeatureReport& report) {
@@ -134,22 +140,21 @@ void FeatureStage::add(const LineGroup& group, std::span<const double> distance,
   for (const ScanLine& line : group.lines) {
     m.take(group, line, distance, m.raw);
     if (m.frame) {
-      m.process(m.raw);
+      m.process(m.raw, report);
       m.estimator.add(m.profile);
       continue;
     }
     m.frame_finder.add(m.raw.x, m.raw.y, m.raw.z);
     m.waiting.push_back(m.raw);
-    if (m.frame_finder.lines() >= FrameFinder::kLines) m.begin();
+    if (m.frame_finder.lines() >= FrameFinder::kLines) m.begin(report);
   }
-  if (m.frame) m.publish(report);
 }
 
 void FeatureStage::skip(const Gap&) {}
 
 void FeatureStage::finish(FeatureReport& report) {
   Impl& m = *impl_;
-  if (!m.frame && m.frame_finder.lines() > 0) m.begin();
+  if (!m.frame && m.frame_finder.lines() > 0) m.begin(report);
   if (!m.frame) return;
   m.finder.finish(m.estimator.value(), FeatureEnd::open, m.curves);
   m.publish(report);

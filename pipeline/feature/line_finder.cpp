@@ -88,6 +88,7 @@ void LineFinder::finish(const Sampling& sampling, FeatureEnd reason, std::vector
   tracker_ = Tracker(linking_);
   crosswise_ = CrosswiseLinker(linking_);
   union_ = Union();
+  since_settled_ = 0;
 }
 
 } // namespace scansion

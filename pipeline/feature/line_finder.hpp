@@ -24,6 +24,8 @@ public:
   /// The scan ends, or goes on somewhere else.
   void finish(const Sampling& sampling, FeatureEnd reason, std::vector<Curve>& out);
 
+  /// Curves may have been finished, and cuts completed, by the last add().
+  [[nodiscard]] bool has_settled() const noexcept { return since_settled_ == 0; }
   /// The cuts that patches need, complete up to cuts_complete().
   [[nodiscard]] Cuts& cuts() noexcept { return cuts_; }
   [[nodiscard]] double cuts_complete() const noexcept { return cuts_complete_; }

@@ -256,4 +256,9 @@ void PatchGrower::finish(const Sampling& sampling, FeatureReport& report) {
   close(row_number_ + kCloseAfter, sampling, report);
 }
 
+void PatchGrower::restart() {
+  above_.clear();
+  last_c_ = -1e300;
+}
+
 } // namespace scansion

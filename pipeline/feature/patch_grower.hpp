@@ -22,6 +22,9 @@ public:
   /// All lines are assigned: closes every patch.
   void finish(const Sampling& sampling, FeatureReport& report);
 
+  /// After finish(): the scan goes on somewhere else.
+  void restart();
+
 private:
   struct Row {
     std::uint64_t line = 0;
