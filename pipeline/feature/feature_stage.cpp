@@ -15,7 +15,7 @@ namespace {
 
 // A feature line is published when it has so many vertices; more when it turns less.
 bool is_enough(const Curve& curve) {
-  constexpr std::size_t kStrong = 5, kFair = 8, kWeak = 14;
+  constexpr std::size_t kStrong = 5, kFair = 8, kWeak = 14, kWeakest = 30;
   double turning = 0.0;
   std::size_t guided = 0;
   for (const CurvePoint& p : curve.points) {
@@ -25,7 +25,7 @@ bool is_enough(const Curve& curve) {
   const auto n = curve.points.size();
   turning /= static_cast<double>(n);
   if (2 * guided > n) return false;
-  return n >= (turning < 20.0 ? kWeak : turning < 30.0 ? kFair : kStrong);
+  return n >= (turning < 14.0 ? kWeakest : turning < 20.0 ? kWeak : turning < 30.0 ? kFair : kStrong);
 }
 
 Vector3 origin_mm(const std::array<std::int64_t, 3>& origin, double resolution) {

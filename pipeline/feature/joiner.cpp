@@ -10,9 +10,9 @@ namespace scansion {
 
 namespace {
 
-constexpr double kAround = 3.0;   // coarse steps: ends this near belong together in any direction that does not fold back
-constexpr double kStraight = 6.0; // coarse steps: and this near when one continues the other
-constexpr double kSettled = 6.0;  // coarse steps: nothing new begins further behind
+constexpr double kAround = 4.0;    // coarse steps: ends this near belong together in any direction that does not fold back
+constexpr double kStraight = 10.0; // coarse steps: and this near when one continues the other
+constexpr double kSettled = 10.0;  // coarse steps: nothing new begins further behind
 
 struct Tip {
   double s = 0.0, w = 0.0, c = 0.0;

@@ -11,7 +11,7 @@ namespace scansion {
 namespace {
 
 constexpr std::uint32_t kSettleEvery = 16; // lines
-constexpr std::size_t kFewestPoints = 4;   // of a stretch
+constexpr std::size_t kFewestPoints = 3;   // of a stretch
 constexpr std::size_t kSmoothLag = 4;      // points behind the newest whose place no longer changes
 
 } // namespace

@@ -113,8 +113,8 @@ TEST(FeatureStage, EverySampleBelongsToOnePatch) {
   for (const PatchRun& run : report.runs)
     for (std::uint32_t k = run.first; k < run.first + run.count; ++k) ++seen[run.line * 200 + k];
   for (const int times : seen) ASSERT_EQ(times, 1);
-  const auto named = std::count_if(report.forms.begin(), report.forms.end(),
-                                   [](const Form& form) { return form.kind == FormKind::pocket; });
+  const auto named =
+      std::count_if(report.forms.begin(), report.forms.end(), [](const Form& form) { return form.kind == FormKind::pocket; });
   EXPECT_EQ(named, 1);
 }
 
