@@ -24,6 +24,7 @@ struct FeaturePoint {
   FeatureType type = FeatureType::convex;
   ShapeElement element = ShapeElement::straight;
   bool step = false;   ///< from a wall between samples: its angles are nominal
+  double drop = 0.0;   ///< of a step whose wall shows no sample: its height
   bool smooth = false; ///< a crest or trough
   bool guided = false;
 

@@ -85,6 +85,7 @@ void FeatureStage::Impl::take(const LineGroup& group, const ScanLine& line, std:
 void FeatureStage::Impl::begin(FeatureReport& report) {
   frame = frame_finder.frame();
   patches.emplace(*frame, origin);
+  finder.set_lean(std::hypot(frame->up[0], frame->up[1]));
   // The sampling is wanted before the first line is searched.
   for (const RawLine& line : waiting) {
     make_profile(line, *frame, profile);

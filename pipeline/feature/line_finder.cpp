@@ -5,6 +5,8 @@
 #include "pipeline/feature/smoothing.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 namespace scansion {
 
@@ -37,6 +39,16 @@ void LineFinder::add(const Profile& profile, const Sampling& sampling, std::vect
   settle(harvested - 10.0 * sampling.coarse(), sampling, out);
 }
 
+// A leaning sheet does not see the foot of a wall that hides it: what it meets next is the edge of the shadow, and no feature.
+void LineFinder::drop_hidden_feet(Track& track, const Sampling& sampling) const {
+  for (std::size_t i = 0; i < track.points.size(); ++i) {
+    TrackPoint& p = track.points[i];
+    if (p.feature.drop <= 0.0 || p.feature.convex()) continue;
+    const double along = std::cos(track.angle_to_lines(i) * std::numbers::pi / 180.0);
+    if (p.feature.drop * lean_ * along > 0.6 * sampling.coarse()) p.verdict = Verdict::dropped;
+  }
+}
+
 void LineFinder::settle(double settled, const Sampling& sampling, std::vector<Curve>& out) {
   deciding_.clear();
   live_ends_.clear();
@@ -64,6 +76,7 @@ void LineFinder::settle(double settled, const Sampling& sampling, std::vector<Cu
         live_ends_.push_back({track.s_of(*p), track.c_of(*p), track.convex()});
       continue;
     }
+    if (lean_ > 0.0) drop_hidden_feet(track, sampling);
     cut_stretches(track, kFewestPoints, stretches);
     track.points.clear();
   }

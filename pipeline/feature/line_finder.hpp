@@ -19,6 +19,9 @@ class LineFinder {
 public:
   explicit LineFinder(Linking linking) : linking_(linking), tracker_(linking), crosswise_(linking) {}
 
+  /// Horizontal part of the up axis: 0 for a sheet that stands upright.
+  void set_lean(double lean) noexcept { lean_ = lean; }
+
   /// The next profile, c ascending, spikes cleaned. Finished curves are added to `out`.
   void add(const Profile& profile, const Sampling& sampling, std::vector<Curve>& out);
   /// The scan ends, or goes on somewhere else.
@@ -31,9 +34,11 @@ public:
   [[nodiscard]] double cuts_complete() const noexcept { return cuts_complete_; }
 
 private:
+  void drop_hidden_feet(Track& track, const Sampling& sampling) const;
   void settle(double settled, const Sampling& sampling, std::vector<Curve>& out);
 
   Linking linking_;
+  double lean_ = 0.0;
   Detector detector_;
   Tracker tracker_;
   CrosswiseLinker crosswise_;

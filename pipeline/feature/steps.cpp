@@ -124,6 +124,7 @@ void StepFinder::measure(const Heights& h, WallRun& wall, std::uint32_t low, std
     p->sharpness = 6.0;
     p->sigma_s = 0.5 * scale.pitch;
     p->step = true;
+    p->drop = b < a + 2 ? height : 0.0;
     p->element = p->tau < 0.0 ? ShapeElement::step_top : ShapeElement::step_bottom;
     p->type = p->tau < 0.0 ? FeatureType::step_top : FeatureType::step_bottom;
   }
