@@ -89,11 +89,15 @@ public:
     SCANSION_TRY(directory, JournalDirectory::open(config_.recording.directory));
     directory_.emplace(std::move(directory));
     SCANSION_TRY(repair());
-    supervisor_.emplace(session_settings(config_), JournalPorts{*directory_, file_sinks(), {}}, clock_);
+    SCANSION_TRY(hub, TailHub::make());
+    hub_ = std::move(hub);
+    SessionSettings settings = session_settings(config_);
+    settings.tail = hub_.get();
+    supervisor_.emplace(std::move(settings), JournalPorts{*directory_, telling_sinks(file_sinks(), *hub_), {}}, clock_);
     SCANSION_TRY(server, ControlServer::listen(config_.socket, clock_));
     server_ = std::move(server);
     SCANSION_TRY(supervisor_->start(config_.devices));
-    server_->serve([this](std::string_view request) { return answer(request, [this] { return status(); }); });
+    server_->serve([this](std::string_view request) { return answer(request, [this] { return status(); }); }, hub_.get());
     if (config_.devices.empty()) spdlog::warn("{}: no [[device]] is configured, so nothing is recorded", config_.file);
     spdlog::info("scansiond {} started: {} devices, recordings in {}, control socket {}", kVersion, config_.devices.size(),
                  directory_->path(), config_.socket);
@@ -185,6 +189,7 @@ private:
   SystemClock& clock_;
   SteadyNs started_;
   std::optional<JournalDirectory> directory_;
+  std::unique_ptr<TailHub> hub_;
   std::optional<Supervisor> supervisor_;
   std::unique_ptr<ControlServer> server_;
 };

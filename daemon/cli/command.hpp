@@ -33,6 +33,7 @@ struct Verb {
 [[nodiscard]] Verb add_compare(CLI::App& root);
 [[nodiscard]] Verb add_view(CLI::App& root);
 [[nodiscard]] Verb add_status(CLI::App& root);
+[[nodiscard]] Verb add_tail(CLI::App& root);
 [[nodiscard]] Verb add_devices(CLI::App& root);
 [[nodiscard]] Verb add_completion(CLI::App& root);
 

@@ -115,4 +115,31 @@ Result<std::string> request(std::string_view json, std::chrono::milliseconds tim
   return first;
 }
 
+Result<void> stream(const std::optional<std::string>& socket_path, std::string_view json,
+                    const std::function<Result<void>(std::string_view)>& on_line) {
+  const SteadyTime deadline = std::chrono::steady_clock::now() + kRequestTimeout;
+  const std::vector<std::string> paths = socket_path ? std::vector{*socket_path} : socket_candidates();
+  Result<UniqueFd> fd = connect_to(paths.front(), deadline);
+  for (std::size_t i = 1; !fd && fd.assume_error().code == Errc::unavailable && i < paths.size(); ++i)
+    fd = connect_to(paths[i], deadline);
+  SCANSION_TRY(connection, std::move(fd));
+  SCANSION_TRY(send_all(connection.get(), std::string(json) + '\n', deadline, paths.front()));
+  std::string held;
+  for (;;) {
+    pollfd entry{connection.get(), POLLIN, 0};
+    if (::poll(&entry, 1, -1) < 0 && errno != EINTR) return system_error("cannot wait for the daemon", errno);
+    char buffer[1U << 16U];
+    const ssize_t got = ::recv(connection.get(), buffer, sizeof buffer, 0);
+    if (got < 0 && (errno == EAGAIN || errno == EINTR)) continue;
+    if (got <= 0) return fail(Errc::unavailable, "the daemon has ended the connection");
+    held.append(buffer, static_cast<std::size_t>(got));
+    std::size_t begin = 0;
+    for (std::size_t end = 0; (end = held.find('\n', begin)) != std::string::npos; begin = end + 1) {
+      SCANSION_TRY(on_line(std::string_view(held).substr(begin, end - begin)));
+    }
+    held.erase(0, begin);
+    if (held.size() > kMaxReply) return fail(Errc::undecodable, "a message is longer than 4 MiB, so no daemon of ours listens");
+  }
+}
+
 } // namespace scansion

@@ -5,6 +5,8 @@
 #include "pipeline/model/result.hpp"
 
 #include <chrono>
+#include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -25,5 +27,10 @@ inline constexpr std::chrono::milliseconds kRequestTimeout{2000};
 
 /// request() to the first candidate that somebody listens on.
 [[nodiscard]] Result<std::string> request(std::string_view json, std::chrono::milliseconds timeout = kRequestTimeout);
+
+/// Sends one request and hands every line of the answer to `on_line` until the daemon hangs up (then it fails with unavailable)
+/// or `on_line` fails. Without `socket_path`: to the first candidate that somebody listens on.
+[[nodiscard]] Result<void> stream(const std::optional<std::string>& socket_path, std::string_view json,
+                                  const std::function<Result<void>(std::string_view)>& on_line);
 
 } // namespace scansion

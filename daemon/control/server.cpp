@@ -24,13 +24,14 @@ struct Client {
   std::string out; ///< the reply under way
   std::size_t sent = 0;
   SteadyNs last_progress = 0;
-  bool closing = false; ///< hang up once `out` has gone
+  bool closing = false;                        ///< hang up once `out` has gone
+  std::unique_ptr<TailHub::Listener> listener; ///< of a client that only listens from now on
 
   [[nodiscard]] bool writing() const noexcept { return sent < out.size(); }
 };
 
 /// Answers the requests that stand in `in`, one after the other, until a reply cannot be sent at once. False: hang up.
-bool reply_to(Client& client, const ControlServer::Handler& handler, SteadyNs now) {
+bool reply_to(Client& client, const ControlServer::Handler& handler, TailHub* hub, SteadyNs now) {
   for (;;) {
     while (client.writing()) {
       const ssize_t sent =
@@ -43,6 +44,12 @@ bool reply_to(Client& client, const ControlServer::Handler& handler, SteadyNs no
     client.out.clear();
     client.sent = 0;
     if (client.closing) return false;
+    if (client.listener) {
+      client.in.clear();
+      client.out = client.listener->take();
+      if (client.out.empty()) return true;
+      continue;
+    }
     const auto newline = client.in.find('\n');
     if (newline == std::string::npos && client.in.size() <= kMaxRequest) return true;
     if (newline == std::string::npos || newline > kMaxRequest) {
@@ -51,7 +58,13 @@ bool reply_to(Client& client, const ControlServer::Handler& handler, SteadyNs no
       client.closing = true;
       continue;
     }
-    client.out = handler(std::string_view(client.in).substr(0, newline)) + '\n';
+    const std::string_view request = std::string_view(client.in).substr(0, newline);
+    if (const auto topic = hub != nullptr ? tail_request(request) : std::nullopt) {
+      client.listener = std::make_unique<TailHub::Listener>(*hub, *topic);
+      client.out = "{\"tail\":\"" + std::string(name(*topic)) + "\"}\n";
+      continue;
+    }
+    client.out = handler(request) + '\n';
     client.in.erase(0, newline + 1);
   }
 }
@@ -72,7 +85,7 @@ void accept_clients(int listener, std::vector<Client>& clients, SteadyNs now) {
     UniqueFd fd(::accept4(listener, nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
     if (!fd) return; // none left, or none to be had now: poll says when to ask again
     if (clients.size() >= kMaxClients) continue;
-    clients.push_back({std::move(fd), {}, {}, 0, now, false});
+    clients.push_back({std::move(fd), {}, {}, 0, now, false, nullptr});
   }
 }
 
@@ -121,7 +134,8 @@ Result<std::unique_ptr<ControlServer>> ControlServer::listen(const std::string& 
   return std::unique_ptr<ControlServer>(new ControlServer(path, std::move(listener), std::move(wake), clock));
 }
 
-void ControlServer::serve(Handler handler) {
+void ControlServer::serve(Handler handler, TailHub* hub) {
+  hub_ = hub;
   handler_ = std::move(handler);
   thread_ = std::thread([this] { run(); });
 }
@@ -141,6 +155,7 @@ void ControlServer::run() {
     entries.clear();
     entries.push_back({wake_.get(), POLLIN, 0});
     entries.push_back({listener_.get(), POLLIN, 0});
+    entries.push_back({hub_ != nullptr ? hub_->ready_fd() : -1, POLLIN, 0}); // -1 is passed over
     for (const Client& client : clients) {
       entries.push_back({client.fd.get(), static_cast<short>(client.writing() ? POLLOUT : POLLIN), 0});
     }
@@ -148,15 +163,17 @@ void ControlServer::run() {
     const int ready = ::poll(entries.data(), entries.size(), clients.empty() ? -1 : 1000);
     if (ready < 0 && errno != EINTR) return;
     if (entries[0].revents != 0) return;
+    const bool has_news = ready > 0 && entries[2].revents != 0;
+    if (has_news) hub_->clear();
     const SteadyNs now = clock_.steady_ns();
     for (std::size_t i = 0; i < clients.size(); ++i) {
       Client& client = clients[i];
-      const short events = ready > 0 ? entries[i + 2].revents : short{0};
-      bool keep = now - client.last_progress < kPatience;
+      const short events = ready > 0 ? entries[i + 3].revents : short{0};
+      bool keep = client.listener || now - client.last_progress < kPatience;
       if (keep && (events & POLLIN) != 0) keep = receive(client, now);
-      if (keep && events != 0) keep = reply_to(client, handler_, now);
+      if (keep && (events != 0 || (has_news && client.listener))) keep = reply_to(client, handler_, hub_, now);
       if (keep && (events & (POLLERR | POLLNVAL)) != 0) keep = false;
-      if (!keep) client.fd.reset();
+      if (!keep) client.fd.reset(); // erased below
     }
     std::erase_if(clients, [](const Client& client) { return !client.fd; });
     if (ready > 0 && entries[1].revents != 0) accept_clients(listener_.get(), clients, now);

@@ -4,6 +4,7 @@
 
 #include "daemon/clock/clock.hpp"
 #include "daemon/control/address.hpp"
+#include "daemon/control/tail.hpp"
 
 #include <functional>
 #include <string>
@@ -23,8 +24,9 @@ public:
   /// with unavailable when another daemon answers there, exists when the path is no socket.
   /// Clients may connect from now on; they are answered from serve() on.
   [[nodiscard]] static Result<std::unique_ptr<ControlServer>> listen(const std::string& path, Clock& clock);
-  /// Starts the thread. Call once.
-  void serve(Handler handler);
+  /// Starts the thread. Call once. With a hub, {"command":"tail","topic":...} turns a client into a listener: it is sent
+  /// messages until it hangs up. `hub` outlives the server.
+  void serve(Handler handler, TailHub* hub = nullptr);
   ControlServer(const ControlServer&) = delete;
   ControlServer& operator=(const ControlServer&) = delete;
   /// Hangs up on all clients, removes the socket.
@@ -40,6 +42,7 @@ private:
   UniqueFd wake_; ///< eventfd: written once to stop the thread
   Clock& clock_;
   Handler handler_;
+  TailHub* hub_ = nullptr;
   std::thread thread_;
 };
 

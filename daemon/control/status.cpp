@@ -105,8 +105,10 @@ std::string answer(std::string_view request, const std::function<DaemonStatus()>
   const Json json = Json::parse(request, nullptr, false);
   if (!json.is_object()) return error_json("a request is one JSON object a line, such as {\"command\":\"status\"}");
   const auto command = json.find("command");
-  if (command == json.end() || !command->is_string()) return error_json("the request has no \"command\"; there is: status");
-  if (*command != "status") return error_json("unknown command; there is: status");
+  if (command == json.end() || !command->is_string())
+    return error_json("the request has no \"command\"; there is: status, tail (with a \"topic\": lines, features or events)");
+  if (*command != "status")
+    return error_json("unknown command; there is: status, tail (with a \"topic\": lines, features or events)");
   return to_json(status());
 }
 

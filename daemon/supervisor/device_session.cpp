@@ -39,6 +39,7 @@ DeviceSession::DeviceSession(DeviceConfig config, std::unique_ptr<Driver> driver
     : shared_(std::make_shared<SessionShared>(std::move(config), clock)), settings_(settings), ports_(ports), clock_(clock) {
   shared_->worker_beat = clock.steady_ns();
   shared_->link = driver->link();
+  shared_->tail = settings.tail;
   worker_ = std::thread([shared = shared_, &settings, &ports] { record_lines(*shared, settings, ports); });
   // The thread owns all it touches: when the device never lets go of it, it may outlive the session.
   auto on_fault = [shared = shared_, &settings, &ports] { dump(*shared, DumpReason::fault, settings, ports); };

@@ -6,6 +6,7 @@
 #include "daemon/journal/recorder.hpp"
 #include "daemon/supervisor/line_queue.hpp"
 #include "daemon/supervisor/session_state.hpp"
+#include "daemon/supervisor/tail_messages.hpp"
 
 #include <atomic>
 
@@ -17,6 +18,7 @@ struct SessionSettings {
   LevelSpec levels;
   RecorderSettings recorder;
   SessionPolicy policy;
+  TailHub* tail = nullptr; ///< told of lines and states; outlives the sessions
 };
 
 /// Thread-safe. Held by shared_ptr: an acquisition thread that is stuck in its device outlives its session.
@@ -25,7 +27,8 @@ struct SessionShared {
       : config(std::move(device_config)), clock(session_clock), queue(session_clock) {}
 
   const DeviceConfig config;
-  LinkView link; ///< set before the threads start
+  LinkView link;           ///< set before the threads start
+  TailHub* tail = nullptr; ///< set before the threads start; empty: nobody listens
   Clock& clock;
   LineQueue queue;
 
@@ -58,8 +61,11 @@ struct SessionShared {
   }
 
   void set_state(SessionState state) {
-    const std::lock_guard lock(mutex_);
-    state_ = state;
+    {
+      const std::lock_guard lock(mutex_);
+      if (std::exchange(state_, state) == state) return;
+    }
+    if (tail != nullptr) tell_state(*tail, config.name, name(state));
   }
   /// Empty: all is well again.
   void set_error(std::string error) {

@@ -117,6 +117,7 @@ private:
   void close_group() {
     if (builder_.empty() || !recorder_) return;
     builder_.take(group_);
+    if (shared_.tail != nullptr) tell_lines(*shared_.tail, shared_.config.name, group_);
     recorder_->add(group_, group_since_);
     publish();
   }

@@ -171,6 +171,71 @@ TEST_F(Control, ClientThatNeverReadsIsBounded) {
   EXPECT_TRUE(request(path_, R"({"command":"status"})"));
 }
 
+class Tail : public Control {
+protected:
+  void SetUp() override {
+    hub_ = std::move(TailHub::make()).assume_value();
+    path_ = directory_.path() + "/run/control.sock";
+    server_ = std::move(ControlServer::listen(path_, clock_)).assume_value();
+    server_->serve([](std::string_view request) { return answer(request, sample_status); }, hub_.get());
+  }
+  void TearDown() override { server_.reset(); }
+  /// A connection that listens; the answer to its request has come.
+  [[nodiscard]] UniqueFd listen_to(std::string_view topic) const {
+    UniqueFd fd = raw_connection();
+    const std::string ask = "{\"command\":\"tail\",\"topic\":\"" + std::string(topic) + "\"}\n";
+    EXPECT_EQ(::send(fd.get(), ask.data(), ask.size(), 0), static_cast<ssize_t>(ask.size()));
+    EXPECT_EQ(read_line(fd), "{\"tail\":\"" + std::string(topic) + "\"}");
+    return fd;
+  }
+  static std::string read_line(const UniqueFd& fd) {
+    std::string line;
+    for (char c = 0; ::recv(fd.get(), &c, 1, 0) == 1 && c != '\n';) line += c;
+    return line;
+  }
+  std::unique_ptr<TailHub> hub_;
+};
+
+TEST_F(Tail, ListenersGetTheirTopicInOrder) {
+  EXPECT_FALSE(hub_->wanted(TailTopic::lines));
+  const UniqueFd lines = listen_to("lines");
+  const UniqueFd events = listen_to("events");
+  EXPECT_TRUE(hub_->wanted(TailTopic::lines));
+  EXPECT_FALSE(hub_->wanted(TailTopic::features));
+  for (int i = 0; i < 100; ++i) hub_->publish(TailTopic::lines, std::to_string(i));
+  hub_->publish(TailTopic::events, "\"e\"");
+  for (int i = 0; i < 100; ++i) EXPECT_EQ(read_line(lines), std::to_string(i));
+  EXPECT_EQ(read_line(events), "\"e\"");
+  EXPECT_TRUE(request(path_, R"({"command":"status"})")) << "others are served as well";
+}
+
+TEST_F(Tail, SlowListenerLosesAndIsToldHowMuch) {
+  const UniqueFd fd = listen_to("lines");
+  const std::string message = "\"" + std::string(998, 'x') + "\"";
+  constexpr std::uint64_t kSent = 20'000; // far more than socket and bound hold; comes back at once all the same
+  for (std::uint64_t i = 0; i < kSent; ++i) hub_->publish(TailTopic::lines, message);
+  std::uint64_t got = 0;
+  std::uint64_t lost = 0;
+  while (got + lost < kSent) {
+    const auto json = nlohmann::json::parse(read_line(fd), nullptr, false);
+    ASSERT_FALSE(json.is_discarded()) << "after " << got << " messages and " << lost << " lost";
+    if (json.is_object())
+      lost += json["lost"].get<std::uint64_t>();
+    else
+      ++got;
+  }
+  EXPECT_EQ(got + lost, kSent);
+  EXPECT_GT(lost, 0U);
+  hub_->publish(TailTopic::lines, "1");
+  EXPECT_EQ(read_line(fd), "1") << "after the loss it goes on";
+}
+
+TEST_F(Tail, UnknownTopicIsAnError) {
+  auto reply = request(path_, R"({"command":"tail","topic":"weather"})");
+  ASSERT_TRUE(reply);
+  EXPECT_TRUE(nlohmann::json::parse(reply.assume_value()).contains("error"));
+}
+
 TEST(ControlClient, NobodyListens) {
   auto reply = request("/nonexistent/control.sock", "{}");
   ASSERT_FALSE(reply);
