@@ -1,5 +1,6 @@
 # scansiond as its users meet it: replay, stop, kill, full disk, reload, bad input.
 # SPDX-License-Identifier: Apache-2.0
+import json
 import os
 import random
 import signal
@@ -347,6 +348,25 @@ class Reload(DaemonTest):
         daemon.until(lambda: 'unknown key "rat"' in daemon.log_text(), "the refusal is logged")
         self.assertEqual(daemon.device()["recording"]["path"], path)
         daemon.stop(self)
+
+
+@unittest.skipUnless(os.environ.get("SCANSION"), "needs the scansion tool")
+class Tail(DaemonTest):
+    def test_lines_and_events_as_they_happen(self):
+        self.scan(400)
+        daemon = self.daemon([self.replay(rate=200)]).start()
+        tails = {topic: subprocess.Popen([os.environ["SCANSION"], "tail", topic, "--json", "--socket", daemon.socket],
+                                         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) for topic in ("lines", "events")}
+        daemon.until_state("finished")
+        daemon.stop(self)
+        rows = {topic: [json.loads(row) for row in tail.communicate(timeout=20)[0].splitlines()] for topic, tail in tails.items()}
+        self.assertEqual([tail.returncode for tail in tails.values()], [69, 69], "the daemon is gone")
+        indexes = [row["line"] for row in rows["lines"]]
+        self.assertGreater(len(indexes), 64)
+        self.assertEqual(indexes, list(range(indexes[0], 400)), "lines in order, none left out")
+        self.assertEqual({row["points"] for row in rows["lines"]}, {20})
+        self.assertIn("recording finished", [row["event"] for row in rows["events"]])
+        self.assertIn("finished", [row.get("state") for row in rows["events"]])
 
 
 class Notify(DaemonTest):
