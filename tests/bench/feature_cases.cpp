@@ -13,8 +13,6 @@
 namespace scansion::bench {
 namespace {
 
-#ifdef SCANSION_FEATURE_STAGE
-
 /// A line as a driver would hand it over; false for a line without points.
 bool fill(LineBuffer& buffer, const SceneLine& line) {
   buffer.clear();
@@ -107,8 +105,6 @@ private:
   double ns_ = 0.0;
 };
 
-#endif
-
 } // namespace
 
 const std::vector<std::string>& small_parts() {
@@ -137,7 +133,6 @@ Result<ScanPlan> plan_of(const FeatureCase& one) {
   return plan;
 }
 
-#ifdef SCANSION_FEATURE_STAGE
 Result<FeatureOutcome> run_case(const FeatureCase& one, const FeatureSettings& settings) {
   SCANSION_TRY(plan, plan_of(one));
   SCANSION_TRY(scene, make_scene(one.scene));
@@ -159,10 +154,5 @@ Result<FeatureOutcome> run_case(const FeatureCase& one, const FeatureSettings& s
   outcome.stage_ns = run.ns_per_point();
   return outcome;
 }
-#else
-Result<FeatureOutcome> run_case(const FeatureCase& /*one*/, const FeatureSettings& /*settings*/) {
-  return fail(Errc::usage, "this program was built without the feature stage");
-}
-#endif
 
 } // namespace scansion::bench
