@@ -97,7 +97,7 @@ public:
     SCANSION_TRY(server, ControlServer::listen(config_.socket, clock_));
     server_ = std::move(server);
     SCANSION_TRY(supervisor_->start(config_.devices));
-    server_->serve([this](std::string_view request) { return answer(request, [this] { return status(); }); }, hub_.get());
+    server_->serve([this](std::string_view request) { return answer(request, answers()); }, hub_.get());
     if (config_.devices.empty()) spdlog::warn("{}: no [[device]] is configured, so nothing is recorded", config_.file);
     spdlog::info("scansiond {} started: {} devices, recordings in {}, control socket {}", kVersion, config_.devices.size(),
                  directory_->path(), config_.socket);
@@ -170,6 +170,15 @@ private:
     }
     const auto& done = changes.assume_value();
     spdlog::info("reloaded: {} devices unchanged, {} stopped, {} started", done.kept, done.stopped, done.started);
+  }
+
+  Answers answers() {
+    return {[this] { return status(); },
+            [this](std::string_view device, Order order) {
+              return supervisor_->want(device, order == Order::start     ? Wanted::run
+                                               : order == Order::release ? Wanted::leave
+                                                                         : Wanted::hold);
+            }};
   }
 
   DaemonStatus status() {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "drivers/host.hpp"
 #include "drivers/option.hpp"
 #include "pipeline/model/lattice.hpp"
 #include "pipeline/model/scan_line.hpp"
@@ -30,6 +31,7 @@ enum class Delivery : std::uint8_t {
   line,    ///< `line` was filled, stamps included
   gap,     ///< lines were lost: `gap.count` and `gap.reason` were filled; the session knows the first index
   nothing, ///< nothing came within Driver::kPatienceNs
+  busy,    ///< no line within that time, but the device answers and works on one: it is not stale
   end      ///< the source is at its end and will not go on (a recorded scan)
 };
 
@@ -58,6 +60,14 @@ public:
   Driver& operator=(const Driver&) = delete;
   virtual ~Driver() = default;
 
+  /// Called before anything else, if at all. A driver that moves no machine needs none of it.
+  virtual void attach(DriverHost& /*host*/) {}
+  /// Obeys Wanted::hold: comes to rest, stays open and goes on when asked. Any other driver is closed instead.
+  [[nodiscard]] virtual bool can_hold() const noexcept { return false; }
+  /// It obeyed: nothing moves, and nothing will before Wanted::run.
+  [[nodiscard]] virtual bool is_at_rest() const noexcept { return false; }
+  /// What keeps the device from delivering, or how it was left, for a person; empty: nothing.
+  [[nodiscard]] virtual std::string condition() const { return {}; }
   /// Takes hold of the device: file, port, lock. Called again after close().
   [[nodiscard]] virtual Result<void> open() = 0;
   /// Handshake; lines come from now on.
@@ -85,12 +95,13 @@ struct DriverInfo {
 /// What a session does about an error of a driver.
 enum class AfterError : std::uint8_t {
   reopen, ///< not there, lost, or not understood: let go, wait with back-off, open again
-  give_up ///< trying again cannot help before the configuration changes
+  give_up ///< trying again cannot help before the configuration changes, or a person says so
 };
 [[nodiscard]] constexpr AfterError after_error(Errc code) noexcept {
   switch (code) {
     case Errc::usage:
     case Errc::config:
+    case Errc::attention:
     case Errc::bug: return AfterError::give_up;
     default: return AfterError::reopen;
   }

@@ -5,6 +5,7 @@
 #include "sim/cli/progress.hpp"
 #include "sim/cli/scene_verb.hpp"
 #include "sim/device/gocator/gocator_entry.hpp"
+#include "sim/device/grbl/grbl_entry.hpp"
 #include "sim/device/scip/scip_entry.hpp"
 #include "sim/device/stream/stream_entry.hpp"
 
@@ -19,7 +20,7 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", "scansim " SCANSION_VERSION);
   app.require_subcommand(1);
   const std::array verbs{add_scene_verb(app), add_device_verb(app, scip_entry()), add_device_verb(app, gocator_entry()),
-                         add_device_verb(app, stream_entry())};
+                         add_device_verb(app, grbl_entry()), add_device_verb(app, stream_entry())};
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -35,6 +35,8 @@ struct Verb {
 [[nodiscard]] Verb add_status(CLI::App& root);
 [[nodiscard]] Verb add_tail(CLI::App& root);
 [[nodiscard]] Verb add_devices(CLI::App& root);
+[[nodiscard]] Verb add_stop(CLI::App& root);
+[[nodiscard]] Verb add_start(CLI::App& root);
 [[nodiscard]] Verb add_completion(CLI::App& root);
 
 /// One line on standard error, with the program's name in front.

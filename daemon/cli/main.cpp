@@ -16,9 +16,9 @@ int main(int argc, char** argv) {
   root.require_subcommand(1);
   root.footer("Exit codes: 0 done, 1 bad answer, 2 usage, 65 input, 69 not available, 73/74 output and I/O, 77 permission, "
               "78 configuration.");
-  const std::vector<Verb> verbs{add_compress(root), add_export(root),  add_info(root),      add_verify(root),
-                                add_recover(root),  add_compare(root), add_view(root),      add_status(root),
-                                add_tail(root),     add_devices(root), add_completion(root)};
+  const std::vector<Verb> verbs{add_compress(root), add_export(root), add_info(root),      add_verify(root), add_recover(root),
+                                add_compare(root),  add_view(root),   add_status(root),    add_tail(root),   add_devices(root),
+                                add_stop(root),     add_start(root),  add_completion(root)};
   try {
     root.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -101,15 +101,25 @@ std::string to_json(const DaemonStatus& status) {
   return one_line(out);
 }
 
-std::string answer(std::string_view request, const std::function<DaemonStatus()>& status) {
+std::string answer(std::string_view request, const Answers& answers) {
   const Json json = Json::parse(request, nullptr, false);
   if (!json.is_object()) return error_json("a request is one JSON object a line, such as {\"command\":\"status\"}");
   const auto command = json.find("command");
   if (command == json.end() || !command->is_string())
-    return error_json("the request has no \"command\"; there is: status, tail (with a \"topic\": lines, features or events)");
-  if (*command != "status")
-    return error_json("unknown command; there is: status, tail (with a \"topic\": lines, features or events)");
-  return to_json(status());
+    return error_json(
+        "the request has no \"command\"; there are: status, start, stop, tail (with a \"topic\": lines, features or events)");
+  if (*command == "status") return to_json(answers.status());
+  const bool stops = *command == "stop";
+  if (!stops && *command != "start")
+    return error_json("unknown command; there are: status, start, stop, tail (with a \"topic\": lines, features or events)");
+  const auto device = json.find("device");
+  if (device == json.end() || !device->is_string()) return error_json("the request has no \"device\"");
+  const auto release = json.find("release");
+  const bool releases = release != json.end() && release->is_boolean() && release->get<bool>();
+  const auto done = answers.order(device->get_ref<const std::string&>(), !stops     ? Order::start
+                                                                         : releases ? Order::release
+                                                                                    : Order::stop);
+  return done ? one_line(Json{{"done", true}}) : error_json(done.error().context);
 }
 
 } // namespace scansion

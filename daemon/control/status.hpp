@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "pipeline/model/result.hpp"
+
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -60,7 +62,20 @@ struct DaemonStatus {
 /// The reply to {"command":"status"}, one line.
 [[nodiscard]] std::string to_json(const DaemonStatus& status);
 
-/// The reply to one request line; `status` is asked only when it is needed. Any bytes may come in.
-[[nodiscard]] std::string answer(std::string_view request, const std::function<DaemonStatus()>& status);
+/// What a command wants of a device.
+enum class Order : std::uint8_t {
+  start,  ///< go on
+  stop,   ///< come to rest, stay ready to go on
+  release ///< come to rest and let go of the port
+};
+
+/// What requests are answered with. Each is called only when it is needed.
+struct Answers {
+  std::function<DaemonStatus()> status;
+  std::function<Result<void>(std::string_view device, Order order)> order;
+};
+
+/// The reply to one request line. Any bytes may come in.
+[[nodiscard]] std::string answer(std::string_view request, const Answers& answers);
 
 } // namespace scansion

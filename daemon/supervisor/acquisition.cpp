@@ -40,23 +40,62 @@ public:
 
   void run() {
     while (!shared_.stopping() && machine_.state() != SessionState::finished) {
-      if (auto done = attempt(); !done) {
-        if (on_fault_ && is_fault(done.assume_error())) on_fault_();
-        report(done.assume_error());
-        if (machine_.state() == SessionState::closed) break;
-        if (!shared_.sleep_until(machine_.retry_at())) break;
+      if (shared_.wanted() != Wanted::run && !wait_for_start()) break;
+      auto done = attempt();
+      if (!done && shared_.wanted() == Wanted::run) {
+        if (!after_failure(done.assume_error())) break;
+      } else if (machine_.state() != SessionState::finished) {
+        close(); // by command
       }
     }
-    driver_.close();
+    close();
     if (machine_.state() != SessionState::finished) machine_.closed();
     publish();
   }
 
 private:
+  /// False: the daemon ends.
+  [[nodiscard]] bool wait_for_start() {
+    machine_.stopped();
+    publish();
+    spdlog::warn("{}: stopped by command", shared_.config.name);
+    if (!shared_.wait_until_wanted()) return false;
+    spdlog::warn("{}: started by command", shared_.config.name);
+    shared_.set_error({});
+    return true;
+  }
+
+  /// False: there will be no other attempt.
+  [[nodiscard]] bool after_failure(const Error& error) {
+    if (on_fault_ && is_fault(error)) on_fault_();
+    report(error);
+    if (machine_.state() != SessionState::closed) return shared_.sleep_until(machine_.retry_at());
+    if (error.code != Errc::attention) return false;
+    // The port is free now, for whoever puts the machine right.
+    shared_.want(Wanted::leave);
+    if (!shared_.wait_until_wanted()) return false;
+    spdlog::warn("{}: started by command", shared_.config.name);
+    return true;
+  }
+
+  void close() {
+    driver_.close();
+    tell_condition();
+  }
+
+  /// What the driver says keeps it from delivering; as loud as a loss.
+  void tell_condition() {
+    std::string now = driver_.condition();
+    if (now == condition_) return;
+    if (!now.empty() && now != error_) spdlog::warn("{}: {}", shared_.config.name, now);
+    if (!now.empty() || error_.empty()) shared_.set_error(now);
+    condition_ = std::move(now);
+  }
+
   /// An absent device is none.
   [[nodiscard]] bool is_fault(const Error& error) const {
     return machine_.state() == SessionState::streaming || machine_.state() == SessionState::stale ||
-           (machine_.state() == SessionState::starting && error.context != error_);
+           machine_.state() == SessionState::held || (machine_.state() == SessionState::starting && error.context != error_);
   }
 
   void publish() { shared_.set_state(machine_.state()); }
@@ -94,10 +133,12 @@ private:
   Result<void> stream(const DeviceFacts& facts) {
     Pacer pacer(facts.pace, shared_.clock.steady_ns());
     for (;;) {
-      if (shared_.stopping()) return success();
+      const Wanted wanted = shared_.wanted();
+      const bool must_close = wanted == Wanted::leave || (wanted == Wanted::hold && !driver_.can_hold());
+      if (shared_.stopping() || must_close) return success();
       const SteadyNs asked = shared_.clock.steady_ns();
       SCANSION_TRY(delivery, driver_.next(item_.line, item_.gap));
-      if (delivery == Delivery::nothing) shared_.horizon = asked;
+      if (delivery == Delivery::nothing || delivery == Delivery::busy) shared_.horizon = asked;
       if (delivery == Delivery::end) {
         machine_.finished();
         publish();
@@ -117,8 +158,14 @@ private:
     const SessionState before = machine_.state();
     const SteadyNs now = shared_.clock.steady_ns();
     bool taken = true;
-    if (delivery == Delivery::nothing) {
-      machine_.silent(now);
+    if (delivery == Delivery::nothing || delivery == Delivery::busy) {
+      if (driver_.is_at_rest())
+        machine_.held();
+      else if (delivery == Delivery::busy)
+        machine_.delivered(now);
+      else
+        machine_.silent(now);
+      tell_condition();
     } else {
       machine_.delivered(now);
       taken = delivery == Delivery::line ? take_line() : take_gap();
@@ -160,6 +207,7 @@ private:
     machine_.failed(error.code, shared_.clock.steady_ns());
     publish(); // lost, when it was streaming
     driver_.close();
+    condition_ = driver_.condition(); // the error says it better
     machine_.settle(shared_.clock.steady_ns());
     if (error.context != error_) {
       spdlog::warn("{}: {}: {}", shared_.config.name, name(machine_.state()), error.context);
@@ -178,6 +226,7 @@ private:
   SessionMachine machine_;
   QueueItem item_; ///< buffers travel round through the queue
   std::string error_;
+  std::string condition_;
   std::uint64_t repeats_ = 0;
 };
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/supervisor/device_session.hpp"
 
+#include "daemon/journal/earlier_scan.hpp"
 #include "daemon/journal/raw_dump.hpp"
 #include "daemon/supervisor/acquisition.hpp"
 #include "daemon/supervisor/worker.hpp"
@@ -13,6 +14,27 @@
 namespace scansion {
 
 namespace {
+
+/// The daemon as a driver sees it.
+class SessionHost final : public DriverHost {
+public:
+  SessionHost(const SessionShared& shared, const JournalDirectory& directory) : shared_(shared), directory_(directory) {}
+  Wanted wanted() const noexcept override { return shared_.stopping() ? Wanted::leave : shared_.wanted(); }
+  Result<std::optional<EarlierScan>> earlier_scan(std::size_t most) override {
+    auto found = find_earlier_scan(directory_, shared_.config.name, most);
+    if (!found) {
+      spdlog::warn("{}: the newest recording cannot be read again: {}", shared_.config.name, found.assume_error().context);
+    } else if (found.assume_value()) {
+      spdlog::info("{}: {} holds {} lines of an earlier run", shared_.config.name, found.assume_value()->file,
+                   found.assume_value()->lines.size());
+    }
+    return found;
+  }
+
+private:
+  const SessionShared& shared_;
+  const JournalDirectory& directory_;
+};
 
 /// The newest raw bytes into a file, when any came from the device.
 void dump(const SessionShared& shared, DumpReason reason, const SessionSettings& settings, const JournalPorts& ports) {
@@ -43,10 +65,13 @@ DeviceSession::DeviceSession(DeviceConfig config, std::unique_ptr<Driver> driver
   worker_ = std::thread([shared = shared_, &settings, &ports] { record_lines(*shared, settings, ports); });
   // The thread owns all it touches: when the device never lets go of it, it may outlive the session.
   auto on_fault = [shared = shared_, &settings, &ports] { dump(*shared, DumpReason::fault, settings, ports); };
-  acquisition_ = std::thread([shared = shared_, driver = std::move(driver), policy = settings.policy, on_fault]() mutable {
-    acquire(*shared, *driver, policy, on_fault);
-    driver.reset();
-  });
+  acquisition_ =
+      std::thread([shared = shared_, driver = std::move(driver), policy = settings.policy, on_fault, &ports]() mutable {
+        SessionHost host(*shared, ports.directory);
+        driver->attach(host);
+        acquire(*shared, *driver, policy, on_fault);
+        driver.reset();
+      });
 }
 
 DeviceSession::~DeviceSession() {

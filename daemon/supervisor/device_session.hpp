@@ -26,6 +26,9 @@ public:
   /// After wait_device(): waits until all is written and the recording closed. False: not yet at `deadline`.
   [[nodiscard]] bool wait_recording(SteadyNs deadline);
 
+  /// What a person wants of the device. Thread-safe.
+  void want(Wanted wanted) { shared_->want(wanted); }
+
   [[nodiscard]] const DeviceConfig& config() const noexcept { return shared_->config; }
   [[nodiscard]] DeviceStatus status() const;
   /// Writes the device's newest raw bytes into the recording directory. Thread-safe.

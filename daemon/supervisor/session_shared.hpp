@@ -53,6 +53,19 @@ struct SessionShared {
     const std::lock_guard lock(mutex_);
     return stopping_;
   }
+  /// What a person wants of the device.
+  void want(Wanted wanted) {
+    wanted_ = wanted;
+    const std::lock_guard lock(mutex_);
+    changed_.notify_all();
+  }
+  [[nodiscard]] Wanted wanted() const noexcept { return wanted_; }
+  /// Waits until the device may run; false: stop() was called.
+  [[nodiscard]] bool wait_until_wanted() {
+    std::unique_lock lock(mutex_);
+    while (!stopping_ && wanted_ != Wanted::run) clock.wait_until(lock, changed_, clock.steady_ns() + kSecond);
+    return !stopping_;
+  }
   /// Waits; false: stop() was called.
   [[nodiscard]] bool sleep_until(SteadyNs deadline) {
     std::unique_lock lock(mutex_);
@@ -108,8 +121,9 @@ private:
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;
+  std::atomic<Wanted> wanted_{Wanted::run};
   bool stopping_ = false, acquisition_done_ = false, worker_done_ = false;
-  SessionState state_ = SessionState::closed;
+  SessionState state_ = SessionState::opening; ///< from the start: closed means given up
   std::string error_;
   RecorderStatus recorder_;
 };

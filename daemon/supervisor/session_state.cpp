@@ -13,6 +13,8 @@ std::string_view name(SessionState state) noexcept {
     case SessionState::stale: return "stale";
     case SessionState::lost: return "lost";
     case SessionState::backing_off: return "backing off";
+    case SessionState::held: return "held";
+    case SessionState::stopped: return "stopped";
     case SessionState::finished: return "finished";
   }
   return "closed";
@@ -26,20 +28,25 @@ void SessionMachine::streaming(SteadyNs now) noexcept {
 
 void SessionMachine::delivered(SteadyNs now) noexcept {
   // Time before a silence does not count: only a device that keeps delivering is stable.
-  if (state_ == SessionState::stale) streaming_since_ = now;
-  if (state_ == SessionState::stale || state_ == SessionState::streaming) {
+  if (state_ == SessionState::stale || state_ == SessionState::held) streaming_since_ = now;
+  if (is_open()) {
     state_ = SessionState::streaming;
     last_delivery_ = now;
   }
 }
 
 void SessionMachine::silent(SteadyNs now) noexcept {
+  if (state_ == SessionState::held) streaming(now);
   if (state_ == SessionState::streaming && now - last_delivery_ >= policy_.stale_after) state_ = SessionState::stale;
+}
+
+void SessionMachine::held() noexcept {
+  if (is_open()) state_ = SessionState::held;
 }
 
 void SessionMachine::failed(Errc code, SteadyNs now) {
   next_ = after_error(code);
-  const bool streamed = state_ == SessionState::streaming || state_ == SessionState::stale;
+  const bool streamed = is_open();
   if (state_ == SessionState::streaming && last_delivery_ - streaming_since_ >= policy_.stable_after) failures_ = 0;
   state_ = SessionState::lost;
   if (!streamed) settle(now);

@@ -18,6 +18,8 @@ enum class SessionState : std::uint8_t {
   stale,       ///< open, but silent for too long
   lost,        ///< failed while streaming; the run is being ended
   backing_off, ///< waiting before the next attempt
+  held,        ///< at rest by command, open, ready to go on
+  stopped,     ///< closed by command, until a command starts it again
   finished     ///< a recorded source came to its end
 };
 [[nodiscard]] std::string_view name(SessionState state) noexcept;
@@ -47,6 +49,9 @@ public:
   void delivered(SteadyNs now) noexcept;
   /// Nothing came although it was waited for.
   void silent(SteadyNs now) noexcept;
+  /// Came to rest by command, or is about to; delivered() and silent() end it.
+  void held() noexcept;
+  void stopped() noexcept { state_ = SessionState::stopped; }
   void finished() noexcept { state_ = SessionState::finished; }
   void closed() noexcept { state_ = SessionState::closed; }
   /// The device failed. While streaming or stale it is lost until settle(); otherwise settle() happens at once.
@@ -55,6 +60,10 @@ public:
   void settle(SteadyNs now);
 
 private:
+  [[nodiscard]] bool is_open() const noexcept {
+    return state_ == SessionState::streaming || state_ == SessionState::stale || state_ == SessionState::held;
+  }
+
   SessionPolicy policy_;
   std::minstd_rand random_;
   SessionState state_ = SessionState::closed;

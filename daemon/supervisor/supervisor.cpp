@@ -73,8 +73,8 @@ bool Supervisor::stop_sessions(Sessions& sessions, SteadyNs budget) {
   const SteadyNs now = clock_.steady_ns();
   for (const auto& session : sessions) session->request_stop();
   bool all = true;
-  // Half of the time is for devices, the rest for what they delivered.
-  for (const auto& session : sessions) all &= session->wait_device(now + budget / 2);
+  // Three quarters of the time are for devices (a machine must brake), the rest for what they delivered.
+  for (const auto& session : sessions) all &= session->wait_device(now + budget / 4 * 3);
   for (auto& session : sessions) {
     if (session->wait_recording(now + budget)) continue;
     all = false;
@@ -93,6 +93,16 @@ bool Supervisor::stop(SteadyNs budget) {
   for (auto& session : leaving_) sessions.push_back(std::move(session));
   leaving_.clear();
   return stop_sessions(sessions, budget);
+}
+
+Result<void> Supervisor::want(std::string_view device, Wanted wanted) {
+  const std::lock_guard lock(mutex_);
+  for (const auto& session : sessions_) {
+    if (session->config().name != device) continue;
+    session->want(wanted);
+    return success();
+  }
+  return fail(Errc::not_found, "there is no device \"", device, "\"");
 }
 
 std::vector<DeviceStatus> Supervisor::status() const {

@@ -9,7 +9,7 @@ namespace scansion {
 /// Settings of the recording side made from the configuration.
 [[nodiscard]] SessionSettings session_settings(const Config& config);
 
-/// start(), reload() and stop() come from one thread; status() and progress_at() may come from any.
+/// start(), reload() and stop() come from one thread; want(), status() and progress_at() may come from any.
 class Supervisor {
 public:
   Supervisor(SessionSettings settings, JournalPorts ports, Clock& clock)
@@ -28,6 +28,9 @@ public:
   /// Stops all devices, writes what they delivered, finishes their recordings. False: something was left behind at the end of
   /// `budget`; the process must then end without running destructors.
   [[nodiscard]] bool stop(SteadyNs budget);
+
+  /// Holds, closes or starts one device by command. Fails with not_found when there is none of this name.
+  [[nodiscard]] Result<void> want(std::string_view device, Wanted wanted);
 
   [[nodiscard]] std::vector<DeviceStatus> status() const;
   /// Writes the newest raw bytes of every device into the recording directory.

@@ -37,7 +37,8 @@ int exit_code(Errc code) noexcept {
     case Errc::out_of_range:
     case Errc::finer:
     case Errc::damaged: return 65;
-    case Errc::unavailable: return 69;
+    case Errc::unavailable:
+    case Errc::attention: return 69;
     case Errc::cannot_create:
     case Errc::exists: return 73;
     case Errc::io: return 74;
@@ -57,6 +58,7 @@ const char* explain(Errc code) noexcept {
     case Errc::finer: return "a value needs a finer lattice than the one in force";
     case Errc::damaged: return "the recording is damaged";
     case Errc::unavailable: return "the daemon or device is not available";
+    case Errc::attention: return "a person must look at the device before it may go on";
     case Errc::cannot_create: return "the output cannot be created";
     case Errc::exists: return "the output exists already";
     case Errc::io: return "reading or writing failed";

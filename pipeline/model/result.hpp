@@ -22,6 +22,7 @@ enum class Errc : std::uint8_t {
   finer,         ///< a value needs a finer lattice than the one in force: survey the whole input, then start again
   damaged,       ///< a recording's checksum or structure is wrong
   unavailable,   ///< the daemon or the device is not there
+  attention,     ///< a person must look at the device before it may go on
   cannot_create, ///< an output cannot be created
   exists,        ///< the output exists and may not be overwritten
   io,            ///< reading or writing failed; includes a full disk
@@ -56,7 +57,8 @@ template <class... Parts>
 /// An Error of the operating system: `what` and the text of `errno_value`; the code follows the number.
 [[nodiscard]] Error system_error(std::string what, int errno_value);
 
-/// Process exit code: 65 undecodable, 69 unavailable, 73 cannot create, 74 I/O, 77 permission, 78 configuration, 2 usage.
+/// Process exit code: 65 undecodable, 69 unavailable and attention, 73 cannot create, 74 I/O, 77 permission, 78 configuration,
+/// 2 usage.
 [[nodiscard]] int exit_code(Errc code) noexcept;
 
 /// One sentence that says what this kind of error means.

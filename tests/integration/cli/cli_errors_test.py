@@ -18,7 +18,8 @@ import time
 from cli_kit import Failure, Skip, check, is_root, run_cases, same, skip_part
 from reference import read_counts
 
-VERBS = ("compress", "export", "info", "verify", "recover", "compare", "view", "status", "tail", "completion")
+VERBS = ("compress", "export", "info", "verify", "recover", "compare", "view", "status", "tail", "devices", "stop", "start",
+         "completion")
 STOPPED = 130  # by SIGINT or SIGTERM
 
 
@@ -279,7 +280,7 @@ def usage(kit):
                   ["status"], ["completion", "bash"]):
         place.refused(2, *words, "--frobnicate", says="--frobnicate")
         check(b"--help" in kit.scansion(words[0], "--help").out, f"{words[0]} --help")
-    for verb in ("compress", "export", "info", "verify", "recover", "compare", "completion"):
+    for verb in ("compress", "export", "info", "verify", "recover", "compare", "stop", "start", "completion"):
         place.refused(2, verb)
     place.refused(2, "compress", place.scan)
     place.refused(2, "compare", place.recording)
@@ -508,8 +509,9 @@ def manual_page(kit):
 
 
 def other_verbs(kit):
-    """Without a daemon `status` says so; completions are scripts their shells accept."""
-    kit.refused(69, "status", "--socket", os.path.join(kit.root, "no-socket"), says="no-socket")
+    """Without a daemon those who ask it say so; completions are scripts their shells accept."""
+    for words in (["status"], ["stop", "table"], ["start", "table"]):
+        kit.refused(69, *words, "--socket", os.path.join(kit.root, "no-socket"), says="no-socket")
     kit.refused(69, "status", "--json", "--socket", os.path.join(kit.root, "no-socket"))
     for shell in ("bash", "zsh", "fish"):
         script = kit.scansion("completion", shell).out

@@ -14,6 +14,13 @@
 namespace scansion::test {
 namespace {
 
+/// One device, "table"; whatever is wanted of it is done.
+Result<void> sample_order(std::string_view device, Order order) {
+  if (device != "table") return fail(Errc::not_found, "there is no device");
+  if (order == Order::release) return fail(Errc::unavailable, "cannot release");
+  return success();
+}
+
 DaemonStatus sample_status() {
   DaemonStatus status;
   status.version = "1.2.3";
@@ -45,7 +52,7 @@ protected:
     auto server = ControlServer::listen(path_, clock_);
     ASSERT_TRUE(server) << server.assume_error().context;
     server_ = std::move(server).assume_value();
-    server_->serve([](std::string_view request) { return answer(request, sample_status); });
+    server_->serve([](std::string_view request) { return answer(request, {sample_status, sample_order}); });
   }
   [[nodiscard]] UniqueFd raw_connection() const {
     auto address = socket_address(path_);
@@ -177,7 +184,7 @@ protected:
     hub_ = std::move(TailHub::make()).assume_value();
     path_ = directory_.path() + "/run/control.sock";
     server_ = std::move(ControlServer::listen(path_, clock_)).assume_value();
-    server_->serve([](std::string_view request) { return answer(request, sample_status); }, hub_.get());
+    server_->serve([](std::string_view request) { return answer(request, {sample_status, sample_order}); }, hub_.get());
   }
   void TearDown() override { server_.reset(); }
   /// A connection that listens; the answer to its request has come.

@@ -1,0 +1,238 @@
+# A touch probe from end to end: scansim grbl -> scansiond -> recording, with everything that goes wrong on the way.
+# SPDX-License-Identifier: Apache-2.0
+"""Needs SCANSIOND, SCANSION and SCANSIM. SCANSION_PROBE_CYCLES=200 is the long form of the unplug test: a
+machine five times slower than a real one."""
+import os
+import random
+import signal
+import subprocess
+import time
+import unittest
+
+from harness import PATIENCE, STOP_SECONDS, DaemonTest
+
+SIMULATOR = os.environ["SCANSIM"]
+TOOL = os.environ["SCANSION"]
+CYCLES = int(os.environ.get("SCANSION_PROBE_CYCLES", "6"))
+STEP = 0.004  # mm, one step of the simulated machine
+AREA = {"x_from": 0.0, "x_to": 20.0, "y_from": 0.0, "y_to": 10.0, "pitch": 2.5, "spacing": 2.5, "top": -0.5, "bottom": -9.0}
+
+
+def write_part(path):
+    """A stepped part on the raster's grid; returns the heights by place."""
+    heights = {}
+    rng = random.Random(5)
+    with open(path, "w") as out:
+        for row in range(5):
+            for column in range(9):
+                x, y = column * 2.5, row * 2.5
+                z = round((-2.0 if 6 < x < 14 else -3.5) + rng.randrange(-200, 200) / 1000, 3)
+                heights[(x, y)] = z
+                out.write(f"{x:.3f} {y:.3f} {z:.3f}\n")
+            out.write("\n")
+    return heights
+
+
+class ProbeTest(DaemonTest):
+    def setUp(self):
+        super().setUp()
+        self.part = os.path.join(self.folder, "part.xyz")
+        self.heights = write_part(self.part)
+        self.link = os.path.join(self.folder, "machine")
+
+    def simulate(self, *options, speed=None, port=None):
+        port = port or ["--pty", self.link]
+        fast = [f"{x}={v}" for x, v in ((110, 3000), (111, 3000), (112, 3000), (120, 400), (121, 400), (122, 400))]
+        settings = [part for one in fast for part in ("--set", one)]
+        rate = ["--speed", str(speed)] if speed else ["--rate", "max"]
+        log = open(os.path.join(self.folder, "sim.txt"), "a")
+        self.addCleanup(log.close)
+        sim = subprocess.Popen([SIMULATOR, "grbl", "--scan", self.part, *port, *rate, *settings, *options], stderr=log)
+
+        def end():
+            if sim.poll() is None:
+                sim.terminate()
+                sim.wait()
+
+        self.addCleanup(end)
+        if port[0] == "--pty":
+            deadline = time.monotonic() + PATIENCE
+            while not os.path.exists(self.link) and time.monotonic() < deadline:
+                time.sleep(0.01)
+        return sim
+
+    def probe(self, **options):
+        return {"name": "d", "driver": "grbl-probe", "port": self.link, "feed": 300.0, **AREA, **options}
+
+    def points(self, path):
+        done = subprocess.run([TOOL, "export", path, "--format", "xyz", "-o", "-"], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return [tuple(map(float, row.split())) for row in done.stdout.splitlines() if row.strip() and row[0] != "#"]
+
+    def check_whole(self, path):
+        """Every place of the grid once, at most one step below the part."""
+        points = self.points(path)
+        self.assertEqual(sorted((x, y) for x, y, _ in points), sorted(self.heights))
+        for x, y, z in points:
+            self.assertLessEqual(z, self.heights[(x, y)] + 0.0006, (x, y))
+            self.assertGreater(z, self.heights[(x, y)] - STEP - 0.0006, (x, y))
+
+    def order(self, verb, *more):
+        return subprocess.run([TOOL, verb, "d", "--socket", self.running.socket, *more], capture_output=True, text=True)
+
+    def run_daemon(self, *devices):
+        self.running = self.daemon(list(devices))
+        return self.running.start()
+
+
+class Raster(ProbeTest):
+    def test_at_maximum_speed_and_its_transcript(self):
+        self.simulate()
+        raw = os.path.join(self.folder, "machine.raw")
+        daemon = self.run_daemon(self.probe(raw=raw))
+        daemon.until_state("finished")
+        daemon.stop(self)
+        (path,) = daemon.files()
+        self.check_sound(path)
+        self.check_whole(path)
+        with open(path, "rb") as file:
+            live = file.read()
+        replay = os.path.join(self.folder, "again")
+        os.mkdir(replay)
+        device = self.probe(transcript=raw)
+        del device["port"]
+        again = self.daemon([device], directory=replay).start()
+        again.until_state("finished")
+        again.stop(self)
+        (copy,) = again.files()
+        with open(copy, "rb") as file:
+            self.assertTrue(file.read() == live, "the same bytes as live")
+
+    def test_at_the_machines_own_speed_over_tcp(self):
+        # Twenty times a real machine, so that acceleration, overshoot and Run are all there but the test is short.
+        self.simulate(speed=20, port=["--tcp", "127.0.0.1:47123"])
+        device = self.probe(tcp="127.0.0.1:47123")
+        del device["port"]
+        daemon = self.run_daemon(device)
+        daemon.until_state("finished")
+        daemon.stop(self)
+        self.check_whole(daemon.files()[0])
+
+    def test_grblhal(self):
+        self.simulate("--dialect", "grblhal")
+        daemon = self.run_daemon(self.probe())
+        daemon.until_state("finished")
+        daemon.stop(self)
+        self.check_whole(daemon.files()[0])
+
+    def test_machine_comes_later(self):
+        daemon = self.run_daemon(self.probe())
+        daemon.until_state("backing off")
+        self.simulate()
+        daemon.until_state("finished")
+        daemon.stop(self)
+        self.check_whole(daemon.files()[0])
+
+
+class Stops(ProbeTest):
+    def moving(self, **options):
+        self.simulate(speed=10)
+        daemon = self.run_daemon(self.probe(**options))
+        daemon.until(lambda: daemon.device()["lines"] >= 1, "a row is done")
+        return daemon
+
+    def test_stop_holds_and_start_goes_on(self):
+        daemon = self.moving()
+        done = self.order("stop")
+        self.assertEqual((done.returncode, done.stdout), (0, "d: held\n"), done.stderr)
+        lines = daemon.device()["lines"]
+        time.sleep(1.0)
+        self.assertEqual(daemon.device()["state"], "held")
+        self.assertEqual(daemon.device()["lines"], lines)
+        self.assertEqual(self.order("start").returncode, 0)
+        daemon.until_state("finished")
+        daemon.stop(self)
+        self.check_whole(daemon.files()[0])
+
+    def test_release_lets_go_of_the_port(self):
+        daemon = self.moving()
+        done = self.order("stop", "--release")
+        self.assertEqual((done.returncode, done.stdout), (0, "d: stopped\n"), done.stderr)
+        self.assertIn("home it", daemon.device()["error"])
+        self.assertNotEqual(self.order("stop", "--release").returncode, 2)
+        daemon.stop(self)
+
+    def test_sigterm_holds_before_the_reset(self):
+        raw = os.path.join(self.folder, "machine.raw")
+        daemon = self.moving(raw=raw)
+        daemon.stop(self)
+        with open(raw) as file:
+            sent = [line.split(" ", 3)[3] for line in file if line.startswith(">")]
+        hold = next(i for i, text in enumerate(sent) if "!" in text)
+        reset = next(i for i, text in enumerate(sent) if "\\x18" in text)
+        self.assertLess(hold, reset)
+
+    def test_unknown_device(self):
+        daemon = self.run_daemon()
+        done = self.order("stop")
+        self.assertEqual(done.returncode, 69)
+        self.assertIn('no device "d"', done.stderr)
+        daemon.stop(self)
+
+
+class Resume(ProbeTest):
+    def test_killed_daemon_goes_on_from_its_recording(self):
+        self.simulate(speed=10, port=["--pty", self.link])
+        device = self.probe(resume=True)
+        daemon = self.run_daemon(device)
+        daemon.until_written(2)
+        daemon.kill()
+        first = len(daemon.files())
+        daemon.start()
+        daemon.until_state("finished")
+        daemon.stop(self)
+        self.assertIn("of an earlier run", daemon.log_text())
+        self.assertEqual(len(daemon.files()), first + 1)
+        self.check_whole([path for path in daemon.files() if path.endswith(".mcap")][-1])
+        # Rows of before were not probed again.
+        self.assertEqual(daemon.log_text().count("lines of an earlier run"), 1)
+
+    def test_unplugged_at_random_moments(self):
+        """The controller has its own supply: the raster goes on where it was."""
+        self.simulate("--keeps-power", "--seed", "7", "--fault", "unplug:at=3,for=0.3,every=6,jitter=0.4", speed=4 if CYCLES < 20 else 0.2)
+        daemon = self.run_daemon(self.probe())
+        daemon.until_state("finished")
+        daemon.stop(self)
+        self.assertGreaterEqual(daemon.log_text().count("lost, the port is gone"), 2)
+        self.check_whole([path for path in daemon.files() if path.endswith(".mcap")][-1])
+
+    def test_lost_position_needs_a_person(self):
+        raw = os.path.join(self.folder, "machine.raw")
+        self.simulate("--fault", "banner:at=2.5,for=1", speed=10)
+        daemon = self.run_daemon(self.probe(raw=raw))
+        device = daemon.until_state("closed")
+        self.assertIn("position is lost", device["error"])
+        time.sleep(1.0)
+        self.assertEqual(daemon.device()["state"], "closed")
+        with open(raw) as file:
+            sent = "".join(line.split(" ", 3)[3] for line in file if line.startswith(">"))
+        self.assertNotIn("$X", sent)
+        self.assertNotIn("$H", sent)
+        # By command it tries again, and sees by itself that the controller forgot where it is.
+        self.assertEqual(self.order("start").returncode, 0)
+        device = daemon.until(lambda: (d := daemon.device())["state"] == "closed" and "$22" in (d["error"] or "") and d, "refused")
+        daemon.stop(self)
+
+    def test_locked_machine_is_not_unlocked(self):
+        raw = os.path.join(self.folder, "machine.raw")
+        self.simulate("--set", "22=1")
+        daemon = self.run_daemon(self.probe(raw=raw))
+        device = daemon.until_state("closed")
+        self.assertIn("home it", device["error"])
+        daemon.stop(self)
+        with open(raw) as file:
+            self.assertNotIn("$X", file.read().replace("$H'|'$X'", ""))
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

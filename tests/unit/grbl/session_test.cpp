@@ -1,0 +1,353 @@
+// A whole raster against the simulated controller, and every way it can go wrong.
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/unit/grbl/bench.hpp"
+
+namespace scansion::grbl::test {
+namespace {
+
+TEST(GrblSession, RasterGivesTheSurface) {
+  for (const Dialect dialect : {Dialect::grbl, Dialect::grblhal}) {
+    Bench bench({.dialect = dialect});
+    bench.connect();
+    ASSERT_TRUE(bench.finish()) << bench.failure() << bench.log();
+    bench.expect_whole_scan();
+    EXPECT_EQ(bench.session().counts().repeats, 0U);
+    EXPECT_EQ(bench.session().counts().strays, 0U);
+    EXPECT_EQ(bench.sent_lines("$X"), 0U);
+    EXPECT_EQ(bench.log().find('\x18'), std::string::npos);
+    EXPECT_NEAR(bench.firmware().true_place(bench.now())[2], 0.0, 0.002);
+  }
+}
+
+TEST(GrblSession, InchReportsGiveTheSurfaceToo) {
+  Bench bench;
+  bench.firmware().settings().force(13, 1.0);
+  bench.connect();
+  ASSERT_TRUE(bench.finish()) << bench.failure();
+  EXPECT_TRUE(bench.session().machine().reports_inches);
+  for (const Row& row : bench.rows()) {
+    for (const auto& point : row.points) {
+      ASSERT_TRUE(point);
+      const double x = static_cast<double>((*point)[0]) * 0.00254, y = static_cast<double>((*point)[1]) * 0.00254;
+      EXPECT_NEAR(static_cast<double>((*point)[2]) * 0.00254, wavy(x, y) - 0.002, 0.006);
+    }
+  }
+}
+
+TEST(GrblSession, WorkOffsetsDoNotMoveTheRaster) {
+  Bench bench;
+  const std::string_view line = "G10L2P1X5Y-3Z2.25\n";
+  bench.firmware().receive({reinterpret_cast<const std::uint8_t*>(line.data()), line.size()}, bench.now());
+  bench.firmware().settings().force(10, 0.0); // reports WPos
+  bench.connect();
+  ASSERT_TRUE(bench.finish()) << bench.failure();
+  bench.expect_whole_scan();
+}
+
+TEST(GrblSession, HolesAreRecordedAsSuch) {
+  BenchOptions options;
+  options.surface = [](double x, double y) { return x > 4.0 && x < 6.0 ? -50.0 : wavy(x, y); };
+  Bench bench(options);
+  bench.connect();
+  ASSERT_TRUE(bench.finish()) << bench.failure();
+  ASSERT_EQ(bench.rows().size(), 3U);
+  for (const Row& row : bench.rows()) {
+    EXPECT_TRUE(row.points[0]);
+    EXPECT_FALSE(row.points[1]);
+    EXPECT_TRUE(row.points[2]);
+  }
+  EXPECT_EQ(bench.session().counts().misses, 3U);
+}
+
+TEST(GrblSession, TooManyHolesTogetherEndIt) {
+  BenchOptions options;
+  options.max_misses = 4;
+  Bench bench(options);
+  bench.firmware().set_contact_missing(true);
+  bench.connect();
+  EXPECT_FALSE(bench.finish());
+  ASSERT_TRUE(bench.session().failure());
+  EXPECT_EQ(bench.session().failure()->code, Errc::attention);
+  EXPECT_NE(bench.failure().find("is the probe connected"), std::string::npos) << bench.failure();
+}
+
+TEST(GrblSession, NeverUnlocksAMachineThatIsLockedAtTheStart) {
+  Bench bench;
+  bench.firmware().settings().force(22, 1.0);
+  bench.firmware().power_on(bench.now());
+  bench.connect();
+  EXPECT_FALSE(bench.finish());
+  ASSERT_TRUE(bench.session().failure());
+  EXPECT_EQ(bench.session().failure()->code, Errc::attention);
+  EXPECT_NE(bench.failure().find("home it"), std::string::npos);
+  EXPECT_EQ(bench.log().find("$X"), std::string::npos);
+  EXPECT_EQ(bench.log().find("$H"), std::string::npos);
+}
+
+TEST(GrblSession, RefusesAClosedProbeAndAnAreaThatIsTooLarge) {
+  Bench closed;
+  closed.firmware().set_pin_stuck(true);
+  closed.connect();
+  EXPECT_FALSE(closed.finish());
+  EXPECT_NE(closed.failure().find("Pn:P"), std::string::npos) << closed.failure();
+
+  Bench inverted;
+  inverted.firmware().settings().force(6, 1.0);
+  inverted.connect();
+  EXPECT_FALSE(inverted.finish());
+  EXPECT_NE(inverted.failure().find("$6"), std::string::npos);
+
+  Bench large;
+  large.firmware().settings().force(130, 5.0);
+  large.connect();
+  EXPECT_FALSE(large.finish());
+  EXPECT_EQ(large.session().failure()->code, Errc::config);
+  EXPECT_NE(large.failure().find("$130=5.000"), std::string::npos) << large.failure();
+}
+
+TEST(GrblSession, EveryAlarmEndsItWithoutUnlocking) {
+  for (int number = 1; number <= 10; ++number) {
+    Bench bench;
+    bench.connect();
+    ASSERT_TRUE(bench.until_sent("G53G0X", 3)) << bench.failure();
+    bench.firmware().raise_alarm(number);
+    EXPECT_FALSE(bench.finish());
+    ASSERT_TRUE(bench.session().failure()) << number;
+    EXPECT_EQ(bench.session().failure()->code, Errc::attention);
+    const std::size_t before = bench.log().size();
+    for (int i = 0; i < 50; ++i) bench.step();
+    EXPECT_EQ(bench.log().size(), before) << "nothing is sent to a machine in alarm " << number;
+    EXPECT_EQ(bench.log().find("$X"), std::string::npos) << number;
+  }
+}
+
+TEST(GrblSession, BannerInMidJobIsALostPosition) {
+  Bench bench;
+  bench.connect();
+  ASSERT_TRUE(bench.until_sent("G38", 4));
+  bench.firmware().power_on(bench.now() + 100 * kMs);
+  EXPECT_FALSE(bench.finish());
+  ASSERT_TRUE(bench.session().failure());
+  EXPECT_EQ(bench.session().failure()->code, Errc::attention);
+  EXPECT_NE(bench.failure().find("position is lost"), std::string::npos) << bench.failure();
+  const std::size_t before = bench.log().size();
+  for (int i = 0; i < 50; ++i) bench.step();
+  EXPECT_EQ(bench.log().size(), before);
+  // Coming back, it sees by itself that the controller has forgotten where it is.
+  bench.connect({.rows = 0, .has_begun = true});
+  EXPECT_FALSE(bench.finish());
+  EXPECT_NE(bench.failure().find("position is lost"), std::string::npos) << bench.failure();
+}
+
+TEST(GrblSession, StuckPinIsSeenAndToldApartFromABadStart) {
+  Bench bench;
+  bench.connect();
+  ASSERT_TRUE(bench.until_sent("G38", 2));
+  ASSERT_TRUE(bench.until_sent("G53G0Z", 3));
+  bench.firmware().set_pin_stuck(true);
+  EXPECT_FALSE(bench.finish());
+  ASSERT_TRUE(bench.session().failure());
+  EXPECT_NE(bench.failure().find("stays closed"), std::string::npos) << bench.failure();
+  EXPECT_EQ(bench.sent_lines("$X"), 1U); // ALARM 4 of its own probing may be cleared
+
+  Bench passing;
+  passing.connect();
+  ASSERT_TRUE(passing.until_sent("G38", 2));
+  ASSERT_TRUE(passing.until_sent("G53G0Z", 3));
+  passing.firmware().set_pin_stuck(true);
+  ASSERT_TRUE(passing.until_sent("$X"));
+  passing.firmware().set_pin_stuck(false);
+  ASSERT_TRUE(passing.finish()) << passing.failure();
+  passing.expect_whole_scan();
+}
+
+TEST(GrblSession, HeldProbeCyclesAreDoneAgain) {
+  Bench bench;
+  bench.connect();
+  ASSERT_TRUE(bench.until_sent("G38", 5));
+  const auto press = [&](char key) {
+    const auto byte = static_cast<std::uint8_t>(key);
+    bench.firmware().receive({&byte, 1}, bench.now());
+  };
+  press('!');
+  const Ns until = bench.now() + 20 * kS;
+  ASSERT_TRUE(bench.run([&] { return bench.now() >= until; })) << bench.failure();
+  EXPECT_EQ(bench.session().condition(), "the machine is in feed hold; press cycle start");
+  // The pin closes while it stands: going on reports a contact where there is none.
+  bench.firmware().set_pin_stuck(true);
+  press('~');
+  bench.firmware().set_pin_stuck(false);
+  ASSERT_TRUE(bench.finish()) << bench.failure();
+  bench.expect_whole_scan();
+  EXPECT_EQ(bench.session().counts().disturbed, 1U);
+
+  Bench door;
+  door.connect();
+  ASSERT_TRUE(door.until_sent("G38", 5));
+  const std::uint8_t open = 0x84;
+  door.firmware().receive({&open, 1}, door.now());
+  door.firmware().run_until(door.now() + 2 * kS);
+  const std::uint8_t start = '~';
+  door.firmware().receive({&start, 1}, door.now() + 2 * kS);
+  ASSERT_TRUE(door.finish()) << door.failure();
+  door.expect_whole_scan();
+  EXPECT_EQ(door.session().counts().disturbed, 1U);
+}
+
+TEST(GrblSession, LostRepliesAreFoundAndThePointIsRepeated) {
+  for (const char* before : {"G53G0Z", "G53G0X", "G38"}) {
+    Bench bench;
+    bench.connect();
+    ASSERT_TRUE(bench.until_sent(before, 3));
+    bench.firmware().drop_replies(1);
+    ASSERT_TRUE(bench.finish()) << before << bench.failure();
+    bench.expect_whole_scan();
+    EXPECT_EQ(bench.session().counts().resyncs, 1U);
+  }
+}
+
+TEST(GrblSession, SurplusRepliesOfASecondHostAreNoSuccess) {
+  for (const char* before : {"G53G0Z", "G53G0X", "G38"}) {
+    Bench bench;
+    bench.connect();
+    ASSERT_TRUE(bench.until_sent(before, 3));
+    bool done = false;
+    bench.spoil = [&](std::string& said) {
+      if (!std::exchange(done, true)) said.insert(0, "ok\r\n");
+    };
+    ASSERT_TRUE(bench.finish()) << before << bench.failure();
+    bench.expect_whole_scan();
+  }
+}
+
+TEST(GrblSession, ForeignProbeReportsAreNoSuccess) {
+  Bench bench;
+  bench.connect();
+  ASSERT_TRUE(bench.until_sent("G38", 4));
+  bool done = false;
+  bench.spoil = [&](std::string& said) {
+    if (!std::exchange(done, true)) said.insert(0, "[PRB:2.000,3.000,-1.000:1]\r\nok\r\n");
+  };
+  ASSERT_TRUE(bench.finish()) << bench.failure();
+  bench.expect_whole_scan();
+  EXPECT_GE(bench.session().counts().resyncs, 1U);
+}
+
+TEST(GrblSession, SilenceIsAnError) {
+  Bench bench;
+  bench.connect();
+  ASSERT_TRUE(bench.until_sent("G38", 2));
+  bench.spoil = [](std::string& said) { said.clear(); };
+  EXPECT_FALSE(bench.finish());
+  ASSERT_TRUE(bench.session().failure());
+  EXPECT_EQ(bench.session().failure()->code, Errc::unavailable);
+
+  Bench nobody;
+  nobody.spoil = [](std::string& said) { said.clear(); };
+  nobody.connect();
+  EXPECT_FALSE(nobody.finish());
+  EXPECT_NE(nobody.failure().find("does not answer"), std::string::npos);
+
+  Bench wrong_baud;
+  wrong_baud.spoil = [](std::string& said) {
+    for (char& c : said) c = static_cast<char>(c == '\n' ? c : static_cast<char>(c | '\x80'));
+  };
+  wrong_baud.connect();
+  EXPECT_FALSE(wrong_baud.finish());
+  EXPECT_NE(wrong_baud.failure().find("baud rate"), std::string::npos) << wrong_baud.failure();
+}
+
+TEST(GrblSession, StopAtAnyMomentHoldsAndGoesOn) {
+  for (int at = 0; at < 160; at += 7) {
+    Bench bench;
+    bench.connect();
+    for (int i = 0; i < at && !bench.session().failure(); ++i) bench.step();
+    bench.session().hold(bench.now());
+    bench.transmit();
+    ASSERT_TRUE(bench.run([&] { return bench.session().is_at_rest(); }, 3 * kS)) << at << bench.failure();
+    const auto place = bench.firmware().true_place(bench.now());
+    const std::size_t lines = static_cast<std::size_t>(std::count(bench.log().begin(), bench.log().end(), '\n'));
+    const Ns until = bench.now() + 30 * kS;
+    ASSERT_TRUE(bench.run([&] { return bench.now() >= until; })) << at << bench.failure();
+    EXPECT_EQ(bench.firmware().true_place(bench.now()), place) << at;
+    EXPECT_EQ(static_cast<std::size_t>(std::count(bench.log().begin(), bench.log().end(), '\n')), lines) << at;
+    EXPECT_EQ(bench.log().find('\x18'), std::string::npos) << "position is kept";
+    bench.session().go_on();
+    ASSERT_TRUE(bench.finish()) << at << bench.failure();
+    bench.expect_whole_scan();
+  }
+}
+
+TEST(GrblSession, LeavingHoldsFirstAndResetsThen) {
+  Bench bench;
+  bench.connect();
+  ASSERT_TRUE(bench.until_sent("G38", 4));
+  for (int i = 0; i < 3; ++i) bench.step();
+  bench.session().leave(bench.now());
+  bench.transmit();
+  ASSERT_TRUE(bench.run([&] { return bench.session().is_at_rest(); }, kS));
+  bench.transmit();
+  const std::size_t hold = bench.log().find('!'), reset = bench.log().find('\x18');
+  ASSERT_NE(hold, std::string::npos);
+  ASSERT_NE(reset, std::string::npos);
+  EXPECT_LT(hold, reset);
+  EXPECT_TRUE(bench.session().was_reset());
+}
+
+TEST(GrblSession, LeavingAnIdleOrFinishedMachineSendsNothing) {
+  Bench bench;
+  bench.connect();
+  ASSERT_TRUE(bench.finish());
+  const std::size_t before = bench.log().size();
+  bench.session().leave(bench.now());
+  EXPECT_TRUE(bench.session().is_at_rest());
+  bench.transmit();
+  EXPECT_EQ(bench.log().size(), before);
+}
+
+TEST(GrblSession, GoesOnAfterTheCableWasOut) {
+  Bench bench;
+  bench.connect();
+  ASSERT_TRUE(bench.until_sent("G38", 8));
+  const auto rows = static_cast<std::uint32_t>(bench.rows().size());
+  ASSERT_EQ(rows, 1U);
+  bench.leave_alone(30 * kS); // the machine ends its probe cycle, with the tip on the part
+  bench.connect({.rows = rows, .has_begun = true});
+  ASSERT_TRUE(bench.finish()) << bench.failure();
+  bench.expect_whole_scan();
+}
+
+TEST(GrblSession, PredecessorsHalfLineAndMotionDoNoHarm) {
+  Bench bench;
+  const std::string_view left = "G21G91\nG1F200X1\nG1X1\nG53G0X";
+  bench.firmware().receive({reinterpret_cast<const std::uint8_t*>(left.data()), left.size()}, bench.now());
+  bench.connect();
+  ASSERT_TRUE(bench.finish()) << bench.failure();
+  bench.expect_whole_scan();
+}
+
+TEST(GrblSession, NoiseNeverMakesAWrongPoint) {
+  std::uint32_t wrong_runs = 0;
+  for (std::uint32_t seed = 1; seed <= 20; ++seed) {
+    Bench bench;
+    bench.connect();
+    std::minstd_rand random(seed);
+    bench.spoil = [&](std::string& said) {
+      for (char& c : said) {
+        if (random() % 1000 == 0) c = static_cast<char>(random() % 256);
+      }
+    };
+    if (!bench.finish()) ++wrong_runs;
+    // A digit that became another digit in z cannot be told; anything else must not get through.
+    for (const Row& row : bench.rows()) {
+      for (std::uint32_t c = 0; c < bench.raster().columns(); ++c) {
+        if (!row.points[c]) continue;
+        EXPECT_NEAR(static_cast<double>((*row.points[c])[0]) / 1e4, static_cast<double>(bench.raster().x(c)) / 1e3, 0.01);
+      }
+    }
+  }
+  EXPECT_LE(wrong_runs, 6U); // a spoiled ALARM or a mangled state word ends a raster
+}
+
+} // namespace
+} // namespace scansion::grbl::test
