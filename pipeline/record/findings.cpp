@@ -75,8 +75,7 @@ Findings assemble(FeatureReport report) {
     if (merges.root(patch.id) != patch.id) continue;
     for (std::uint32_t& id : patch.neighbours) id = merges.root(id);
     std::ranges::sort(patch.neighbours);
-    const auto repeated = std::ranges::unique(patch.neighbours);
-    patch.neighbours.erase(repeated.begin(), repeated.end());
+    patch.neighbours.erase(std::unique(patch.neighbours.begin(), patch.neighbours.end()), patch.neighbours.end());
     std::erase(patch.neighbours, patch.id);
     found.patches.push_back(std::move(patch));
   }

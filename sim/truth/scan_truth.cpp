@@ -140,8 +140,7 @@ void ScanTruth::number_patches(Truth& truth) {
       }
     }
     std::ranges::sort(form.patches);
-    const auto repeated = std::ranges::unique(form.patches);
-    form.patches.erase(repeated.begin(), repeated.end());
+    form.patches.erase(std::unique(form.patches.begin(), form.patches.end()), form.patches.end());
     std::erase(form.patches, kNone);
     if (!form.patches.empty()) truth.forms.push_back(std::move(form));
   }

@@ -229,8 +229,7 @@ private:
           if (found_.all[k].convex == true_.all[j].convex) lines.push_back(found_.all[k].line);
         });
         std::ranges::sort(lines);
-        const auto repeated = std::ranges::unique(lines);
-        lines.erase(repeated.begin(), repeated.end());
+        lines.erase(std::unique(lines.begin(), lines.end()), lines.end());
         for (const std::uint32_t line : lines) ++covered[line];
       }
       ++curves;
