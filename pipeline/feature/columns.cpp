@@ -14,6 +14,7 @@ namespace {
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 constexpr float kLeastSlopeChange = 0.1228F; // tan 7 degrees
 constexpr double kMostMissed = 3.6;          // spacings within a window
+constexpr std::size_t kMostFlank = 64;       // rows
 
 } // namespace
 
@@ -21,6 +22,8 @@ Columns::Columns(const Sampling& sampling) : pitch_(sampling.pitch) {
   // Narrow features want narrow windows; the noise decides how narrow.
   window_ = std::max<std::size_t>(kNarrowest, FitScale::wanted_window(sampling.noise, sampling.spacing));
   reach_ = std::max(kReach * window_, kLeastReach);
+  const double rounding = FitScale::of(sampling.noise, sampling.spacing, sampling.coarse()).arc_radius / sampling.spacing;
+  flank_reach_ = std::max(reach_, std::min(kMostFlank, static_cast<std::size_t>(rounding) + window_));
   ring_.resize(2 * lag() + 3);
 }
 
@@ -189,19 +192,14 @@ void Columns::measure_bend(std::int64_t r, std::size_t column, const Sampling& s
     if (peak(++high)) break;
   }
   if (r - low < 2 || high - r < 2) return;
-  s_.clear();
-  w_.clear();
-  std::uint32_t k = 0;
-  for (std::int64_t i = low; i <= high; ++i) {
-    const float height = row(i).height[column];
-    if (std::isnan(height)) continue;
-    if (i == r) k = static_cast<std::uint32_t>(s_.size());
-    s_.push_back(row(i).c);
-    w_.push_back(static_cast<double>(height) + base_);
-  }
-  if (k < 2 || k + 2 >= s_.size()) return;
-  const auto last = static_cast<std::uint32_t>(s_.size() - 1);
-  const auto bend = find_bend({s_, w_}, k, {0, last, 0, last}, scale);
+  copy_column(r, column, static_cast<std::int64_t>(flank_reach_));
+  const auto index = [&](double c) {
+    return static_cast<std::uint32_t>(std::lower_bound(s_.begin(), s_.end(), c) - s_.begin());
+  };
+  const std::uint32_t k = index(row(r).c), before = index(row(low).c);
+  const std::uint32_t after = std::min(index(row(high).c), static_cast<std::uint32_t>(s_.size() - 1));
+  if (k < before + 2 || k + 2 > after) return;
+  const auto bend = find_bend({s_, w_}, k, {before, after, 0, static_cast<std::uint32_t>(s_.size() - 1)}, scale);
   if (!bend) return;
   if (walled && is_part_of_step(r, column, bend->s, scale)) return;
   ColumnPoint point = column_point(r, column, make_point(*bend, 0, scale));

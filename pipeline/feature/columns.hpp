@@ -32,7 +32,7 @@ public:
   /// Adds what the last rows still hold.
   void finish(const Sampling& sampling, std::vector<ColumnPoint>& out);
   /// Rows are missing: windows do not reach over them.
-  [[nodiscard]] std::size_t lag() const noexcept { return reach_ + 2; }
+  [[nodiscard]] std::size_t lag() const noexcept { return flank_reach_ + 2; }
   [[nodiscard]] double pitch() const noexcept { return pitch_; }
 
 private:
@@ -65,6 +65,7 @@ private:
   double pitch_ = 1.0, base_ = 0.0;
   std::size_t window_ = 5; // N: rows a side
   std::size_t reach_ = 10; // rows a side that a fit may use
+  std::size_t flank_reach_ = 10; // rows a side that hold the flanks of a rounded edge
   std::int64_t left_ = 0;  // number of the first column
   std::size_t width_ = 0;  // columns
   std::vector<Row> ring_;

@@ -51,39 +51,69 @@ bool is_chamfer(const Heights& h, std::uint32_t a, std::uint32_t b, double slope
   return std::abs(curvature) < 0.3 * arc;
 }
 
-} // namespace
+constexpr std::uint32_t kLongest = 4; // windows
 
-Flank find_flank(const Heights& h, std::uint32_t from, std::uint32_t to, std::uint32_t window, std::uint32_t most_gap,
-                 const FitScale& scale) {
-  const bool left = to < from;
-  const std::uint32_t count = (left ? from - to : to - from) + 1;
-  const auto sample = [&](std::uint32_t i) { return left ? from - i : from + i; };
-  const double s0 = h.s[from], w0 = h.w[from];
-  const std::uint32_t size = std::min(window, count);
+// The samples from an edge outwards.
+struct Side {
+  const Heights& h;
+  std::uint32_t from;
+  bool left;
+  std::uint32_t count;
+
+  [[nodiscard]] std::uint32_t sample(std::uint32_t i) const noexcept { return left ? from - i : from + i; }
+  [[nodiscard]] double s0() const noexcept { return h.s[from]; }
+  [[nodiscard]] double w0() const noexcept { return h.w[from]; }
+  [[nodiscard]] double length(std::uint32_t i, std::uint32_t j) const noexcept {
+    return std::abs(h.s[sample(j)] - h.s[sample(i)]);
+  }
+  void add(Sums& sums, std::uint32_t i, double sign) const noexcept {
+    sums.add(h.s[sample(i)] - s0(), h.w[sample(i)] - w0(), sign);
+  }
+};
+
+// The first straight stretch of `size` samples, at least `gap` and at most `most_gap` samples from the edge.
+Flank first_straight(const Side& side, std::uint32_t size, std::uint32_t gap, std::uint32_t most_gap, double sigma) noexcept {
   Sums sums;
-  for (std::uint32_t i = 0; i < size; ++i) sums.add(h.s[sample(i)] - s0, h.w[sample(i)] - w0, 1.0);
+  for (std::uint32_t i = gap; i < gap + size; ++i) side.add(sums, i, 1.0);
   Flank best;
   double best_error = std::numeric_limits<double>::infinity();
   const double n = size;
-  const double sigma = scale.noise + 0.0005;
   // Residuals of a straight flank stay below this with a chance of about one in a thousand.
   const double limit = sigma * sigma * (1.0 + 3.1 * std::sqrt(2.0 / std::max(1.0, n - 2.0)));
-  for (std::uint32_t gap = 0;; ++gap) {
+  for (;; ++gap) {
     const double mu = sums.u / n, mv = sums.v / n;
     const double uu = sums.uu - mu * sums.u, uv = sums.uv - mu * sums.v, vv = sums.vv - mv * sums.v;
     const double slope = size >= 3 && uu > 0.0 ? uv / uu : 0.0;
     const double error = size >= 3 ? std::max(0.0, vv - slope * uv) / (n - 2.0) : 0.0;
     if (error < best_error) {
       best_error = error;
-      best = {s0 + mu, w0 + mv, slope, std::abs(h.s[sample(gap + size - 1)] - h.s[sample(gap)]), size, gap, error <= limit};
+      best = {side.s0() + mu, side.w0() + mv, slope, side.length(gap, gap + size - 1), size, gap, error <= limit};
     }
-    if (best.straight || gap >= most_gap || gap + size >= count) break;
-    sums.add(h.s[sample(gap)] - s0, h.w[sample(gap)] - w0, -1.0);
-    sums.add(h.s[sample(gap + size)] - s0, h.w[sample(gap + size)] - w0, 1.0);
+    if (best.straight || gap >= most_gap || gap + size >= side.count) return best;
+    side.add(sums, gap, -1.0);
+    side.add(sums, gap + size, 1.0);
+  }
+}
+
+} // namespace
+
+Flank find_flank(const Heights& h, std::uint32_t from, std::uint32_t to, std::uint32_t window, std::uint32_t most_gap,
+                 const FitScale& scale) {
+  const bool left = to < from;
+  const Side side{h, from, left, (left ? from - to : to - from) + 1};
+  const std::uint32_t size = std::min(window, side.count);
+  const double sigma = scale.noise + 0.0005;
+  Flank best = first_straight(side, size, 0, most_gap, sigma);
+  // The end of a rounding is straight over a short window: a longer one sees what is left of its arc.
+  for (std::uint32_t longer = 2 * size; best.straight && best.gap > 0 && longer <= kLongest * size; longer *= 2) {
+    if (best.gap + longer > side.count) break;
+    const Flank flank = first_straight(side, longer, best.gap, best.gap + best.samples, sigma);
+    if (!flank.straight) break;
+    best = flank;
   }
   constexpr double kSmallRounding = 0.35; // mm
   best.rounded = best.straight && best.gap > 0 && (best.gap >= kLeastGap || best.gap * scale.pitch <= kSmallRounding);
-  if (best.gap >= kLeastGap) best.chamfered = is_chamfer(h, sample(0), sample(best.gap - 1), best.slope);
+  if (best.gap >= kLeastGap) best.chamfered = is_chamfer(h, side.sample(0), side.sample(best.gap - 1), best.slope);
   return best;
 }
 
