@@ -21,37 +21,8 @@ struct Sums {
   }
 };
 
-// Whether samples a..b beside a flank run straight rather than round into it: their curvature against that of the arc that
-// leaves the flank smoothly and has their chord.
-bool is_chamfer(const Heights& h, std::uint32_t a, std::uint32_t b, double slope) noexcept {
-  const std::uint32_t low = std::min(a, b), high = std::max(a, b);
-  const double ds = h.s[high] - h.s[low], dw = h.w[high] - h.w[low];
-  const double length = std::hypot(ds, dw);
-  const double turn = std::atan2(dw, ds) - std::atan(slope); // half of what the arc turns
-  const double arc = std::abs(std::sin(turn)) / length;
-  // Least squares of v = x + y t + z t^2 in the frame of the chord.
-  double n = 0.0, t1 = 0.0, t2 = 0.0, t3 = 0.0, t4 = 0.0, v0 = 0.0, v1 = 0.0, v2 = 0.0;
-  for (std::uint32_t k = low; k <= high; ++k) {
-    const double u = h.s[k] - 0.5 * (h.s[low] + h.s[high]), y = h.w[k] - 0.5 * (h.w[low] + h.w[high]);
-    const double t = (u * ds + y * dw) / length, v = (y * ds - u * dw) / length;
-    n += 1.0;
-    t1 += t;
-    t2 += t * t;
-    t3 += t * t * t;
-    t4 += t * t * t * t;
-    v0 += v;
-    v1 += t * v;
-    v2 += t * t * v;
-  }
-  const double a11 = t2 - t1 * t1 / n, a12 = t3 - t1 * t2 / n, a22 = t4 - t2 * t2 / n;
-  const double b1 = v1 - t1 * v0 / n, b2 = v2 - t2 * v0 / n;
-  const double norm = a22 - a12 * a12 / a11;
-  if (!(norm > 0.0)) return false;
-  const double curvature = (b2 - a12 / a11 * b1) / norm;
-  return std::abs(curvature) < 0.3 * arc;
-}
-
 constexpr std::uint32_t kLongest = 4; // windows
+constexpr std::uint32_t kBeyond = 3;  // samples by which the end of a rounding may be missed
 
 // The samples from an edge outwards.
 struct Side {
@@ -63,13 +34,45 @@ struct Side {
   [[nodiscard]] std::uint32_t sample(std::uint32_t i) const noexcept { return left ? from - i : from + i; }
   [[nodiscard]] double s0() const noexcept { return h.s[from]; }
   [[nodiscard]] double w0() const noexcept { return h.w[from]; }
+  [[nodiscard]] double u(std::uint32_t i) const noexcept { return h.s[sample(i)] - h.s[from]; }
+  [[nodiscard]] double v(std::uint32_t i) const noexcept { return h.w[sample(i)] - h.w[from]; }
   [[nodiscard]] double length(std::uint32_t i, std::uint32_t j) const noexcept {
     return std::abs(h.s[sample(j)] - h.s[sample(i)]);
   }
-  void add(Sums& sums, std::uint32_t i, double sign) const noexcept {
-    sums.add(h.s[sample(i)] - s0(), h.w[sample(i)] - w0(), sign);
-  }
+  void add(Sums& sums, std::uint32_t i, double sign) const noexcept { sums.add(u(i), v(i), sign); }
 };
+
+// Whether what lies between the edge and a flank runs straight up to it, and does not round into it: a broken line against an
+// arc that leaves the flank smoothly, both with the best place to leave it.
+bool is_chamfer(const Side& outside, const Flank& flank, double sigma) noexcept {
+  constexpr double kClearly = 2.0; // twice the least log likelihood
+  // The sample at the edge itself tells most.
+  const Side side{outside.h, outside.left ? outside.from + 1 : outside.from - 1, outside.left, outside.count + 1};
+  const std::uint32_t gap = flank.gap + 1;
+  const double norm = 1.0 / std::hypot(1.0, flank.slope);
+  const std::uint32_t last = std::min(side.count - 1, gap + kBeyond);
+  // In the frame of the flank: places along it from the edge, distances from it.
+  const auto along = [&](std::uint32_t i) { return norm * (side.u(i) + flank.slope * side.v(i)); };
+  const auto off = [&](std::uint32_t i) { return norm * (side.v(i) + side.w0() - flank.at(side.u(i) + side.s0())); };
+  double best_line = std::numeric_limits<double>::infinity(), best_arc = best_line;
+  for (std::uint32_t leave = gap > kBeyond ? gap - kBeyond : 1; leave <= last; ++leave) {
+    const double from = along(leave);
+    double vv = 0.0, xv = 0.0, xx = 0.0, yv = 0.0, yy = 0.0;
+    for (std::uint32_t i = 0; i <= last; ++i) {
+      const double v = off(i);
+      vv += v * v;
+      if (i >= leave) continue;
+      const double x = along(i) - from, y = x * x;
+      xv += x * v;
+      xx += x * x;
+      yv += y * v;
+      yy += y * y;
+    }
+    if (xx > 0.0) best_line = std::min(best_line, vv - xv * xv / xx);
+    if (yy > 0.0) best_arc = std::min(best_arc, vv - yv * yv / yy);
+  }
+  return best_line + kClearly * sigma * sigma < best_arc;
+}
 
 // The first straight stretch of `size` samples, at least `gap` and at most `most_gap` samples from the edge.
 Flank first_straight(const Side& side, std::uint32_t size, std::uint32_t gap, std::uint32_t most_gap, double sigma) noexcept {
@@ -105,7 +108,7 @@ Flank find_flank(const Heights& h, std::uint32_t from, std::uint32_t to, std::ui
   const double sigma = scale.noise + 0.0005;
   Flank best = first_straight(side, size, 0, most_gap, sigma);
   // The end of a rounding is straight over a short window: a longer one sees what is left of its arc.
-  for (std::uint32_t longer = 2 * size; best.straight && best.gap > 0 && longer <= kLongest * size; longer *= 2) {
+  for (std::uint32_t longer = 2 * size; most_gap > 0 && best.straight && longer <= kLongest * size; longer *= 2) {
     if (best.gap + longer > side.count) break;
     const Flank flank = first_straight(side, longer, best.gap, best.gap + best.samples, sigma);
     if (!flank.straight) break;
@@ -113,7 +116,7 @@ Flank find_flank(const Heights& h, std::uint32_t from, std::uint32_t to, std::ui
   }
   constexpr double kSmallRounding = 0.35; // mm
   best.rounded = best.straight && best.gap > 0 && (best.gap >= kLeastGap || best.gap * scale.pitch <= kSmallRounding);
-  if (best.gap >= kLeastGap) best.chamfered = is_chamfer(h, side.sample(0), side.sample(best.gap - 1), best.slope);
+  if (best.gap >= kLeastGap) best.chamfered = is_chamfer(side, best, sigma);
   return best;
 }
 
