@@ -21,8 +21,8 @@ struct Sums {
   }
 };
 
-constexpr std::uint32_t kLongest = 4; // windows
-constexpr std::uint32_t kBeyond = 3;  // samples by which the end of a rounding may be missed
+constexpr double kTelling = 53.0; // a straight stretch of the root of this times radius and noise is no arc: off by two sigma
+constexpr std::uint32_t kBeyond = 3; // samples by which the end of a rounding may be missed
 
 // The samples from an edge outwards.
 struct Side {
@@ -100,19 +100,26 @@ Flank first_straight(const Side& side, std::uint32_t size, std::uint32_t gap, st
 
 } // namespace
 
-Flank find_flank(const Heights& h, std::uint32_t from, std::uint32_t to, std::uint32_t window, std::uint32_t most_gap,
-                 const FitScale& scale) {
+Flank find_flank(const Heights& h, std::uint32_t from, std::uint32_t to, std::uint32_t window, std::uint32_t least_window,
+                 std::uint32_t most_gap, const FitScale& scale) {
   const bool left = to < from;
   const Side side{h, from, left, (left ? from - to : to - from) + 1};
-  const std::uint32_t size = std::min(window, side.count);
+  const std::uint32_t size = std::min(window, side.count), least = std::min(least_window, size);
   const double sigma = scale.noise + 0.0005;
-  Flank best = first_straight(side, size, 0, most_gap, sigma);
-  // The end of a rounding is straight over a short window: a longer one sees what is left of its arc.
-  for (std::uint32_t longer = 2 * size; most_gap > 0 && best.straight && longer <= kLongest * size; longer *= 2) {
-    if (best.gap + longer > side.count) break;
+  if (most_gap == 0) return first_straight(side, size, 0, 0, sigma);
+  // The end of a rounding is straight over a short window, so long ones go first.
+  Flank best;
+  const double telling = std::sqrt(kTelling * scale.arc_radius * sigma) / scale.pitch;
+  const auto most = static_cast<std::uint32_t>(std::min(2.0 * size, std::ceil(telling)));
+  for (std::uint32_t n = std::min(std::max(most, size), side.count); !best.straight; n = n > size ? size : least) {
+    best = first_straight(side, n, 0, most_gap, sigma);
+    if (n <= least) break;
+  }
+  // A longer one still sees what is left of its arc.
+  const std::uint32_t longer = 2 * best.samples;
+  if (best.straight && best.gap > 0 && best.gap + longer <= side.count) {
     const Flank flank = first_straight(side, longer, best.gap, best.gap + best.samples, sigma);
-    if (!flank.straight) break;
-    best = flank;
+    if (flank.straight) best = flank;
   }
   constexpr double kSmallRounding = 0.35; // mm
   best.rounded = best.straight && best.gap > 0 && (best.gap >= kLeastGap || best.gap * scale.pitch <= kSmallRounding);

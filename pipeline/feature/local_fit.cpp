@@ -198,8 +198,8 @@ bool reach_flanks(Bend& bend, const Heights& h, std::uint32_t k, std::uint32_t f
     const double cosine = std::max(0.05, std::cos(theta / kDegrees));
     return std::max(kFewest, static_cast<std::uint32_t>(window * std::cbrt(cosine * cosine * cosine * cosine)));
   };
-  const Flank l = find_flank(h, k - 1, first, samples(bend.theta_before), most, scale);
-  const Flank r = find_flank(h, k + 1, last, samples(bend.theta_after), most, scale);
+  const Flank l = find_flank(h, k - 1, first, window, samples(bend.theta_before), most, scale);
+  const Flank r = find_flank(h, k + 1, last, window, samples(bend.theta_after), most, scale);
   if (!(l.rounded || r.rounded) || !l.straight || !r.straight || l.samples < 4 || r.samples < 4) return true;
   if (l.chamfered || r.chamfered) return true;
   if (std::abs(l.slope - r.slope) < 1e-9) return true;
