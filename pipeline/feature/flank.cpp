@@ -74,53 +74,118 @@ bool is_chamfer(const Side& outside, const Flank& flank, double sigma) noexcept 
   return best_line + kClearly * sigma * sigma < best_arc;
 }
 
-// The first straight stretch of `size` samples, at least `gap` and at most `most_gap` samples from the edge.
-Flank first_straight(const Side& side, std::uint32_t size, std::uint32_t gap, std::uint32_t most_gap, double sigma) noexcept {
-  Sums sums;
-  for (std::uint32_t i = gap; i < gap + size; ++i) side.add(sums, i, 1.0);
-  Flank best;
-  double best_error = std::numeric_limits<double>::infinity();
-  const double n = size;
-  // Residuals of a straight flank stay below this with a chance of about one in a thousand.
-  const double limit = sigma * sigma * (1.0 + 3.1 * std::sqrt(2.0 / std::max(1.0, n - 2.0)));
-  for (;; ++gap) {
-    const double mu = sums.u / n, mv = sums.v / n;
-    const double uu = sums.uu - mu * sums.u, uv = sums.uv - mu * sums.v, vv = sums.vv - mv * sums.v;
-    const double slope = size >= 3 && uu > 0.0 ? uv / uu : 0.0;
-    const double error = size >= 3 ? std::max(0.0, vv - slope * uv) / (n - 2.0) : 0.0;
-    if (error < best_error) {
-      best_error = error;
-      best = {side.s0() + mu, side.w0() + mv, slope, side.length(gap, gap + size - 1), size, gap, error <= limit};
-    }
-    if (best.straight || gap >= most_gap || gap + size >= side.count) return best;
-    side.add(sums, gap, -1.0);
-    side.add(sums, gap + size, 1.0);
+// A rounding turns one way until it meets its flank: what turns back lies beyond.
+class TurningBack {
+public:
+  [[nodiscard]] bool turns_back(double slope) noexcept {
+    const double angle = std::atan(slope);
+    if (!any_) first_ = low_ = high_ = angle;
+    any_ = true;
+    low_ = std::min(low_, angle);
+    high_ = std::max(high_, angle);
+    return (high_ - first_ > kMove && high_ - angle > kBack) || (first_ - low_ > kMove && angle - low_ > kBack);
   }
+
+private:
+  static constexpr double kMove = 0.07, kBack = 0.26; // 4 and 15 degrees
+  double first_ = 0.0, low_ = 0.0, high_ = 0.0;
+  bool any_ = false;
+};
+
+// A stretch of samples that moves away from the edge.
+class Stretch {
+public:
+  Stretch(const Side& side, std::uint32_t gap, std::uint32_t size, double sigma)
+      : side_(side), size_(size), gap_(gap), n_(size) {
+    for (std::uint32_t i = gap; i < gap + size; ++i) side_.add(sums_, i, 1.0);
+    // Residuals of a straight flank stay below this with a chance of about one in a thousand.
+    limit_ = sigma * sigma * (1.0 + 3.1 * std::sqrt(2.0 / std::max(1.0, n_ - 2.0)));
+  }
+  [[nodiscard]] bool fits() const noexcept { return gap_ + size_ <= side_.count; }
+  void move() noexcept {
+    side_.add(sums_, gap_, -1.0);
+    if (++gap_ + size_ <= side_.count) side_.add(sums_, gap_ + size_ - 1, 1.0);
+  }
+  // `error`: its variance.
+  [[nodiscard]] Flank flank(double& error) const noexcept {
+    const double mu = sums_.u / n_, mv = sums_.v / n_;
+    const double uu = sums_.uu - mu * sums_.u, uv = sums_.uv - mu * sums_.v, vv = sums_.vv - mv * sums_.v;
+    const double slope = size_ >= 3 && uu > 0.0 ? uv / uu : 0.0;
+    error = size_ >= 3 ? std::max(0.0, vv - slope * uv) / (n_ - 2.0) : 0.0;
+    return {side_.s0() + mu, side_.w0() + mv, slope, side_.length(gap_, gap_ + size_ - 1), size_, gap_, error <= limit_};
+  }
+
+private:
+  const Side& side_;
+  std::uint32_t size_, gap_;
+  double n_, limit_;
+  Sums sums_;
+};
+
+// The smallest radius that a stretch of this length and noise can have without showing it.
+double least_radius(const Flank& flank, double sigma) noexcept {
+  const double cosine = 1.0 / std::hypot(1.0, flank.slope);
+  const double length = flank.length / cosine;
+  return length * length / (16.0 * sigma * cosine);
+}
+
+// The first stretch that is straight and long enough to tell: of `size` samples, or of `few` where they are far apart. Else the
+// first of `few` that is straight, else the straightest of them.
+Flank first_straight(const Side& side, std::uint32_t few, std::uint32_t size, std::uint32_t most_gap, double radius,
+                     double sigma) noexcept {
+  Stretch low(side, 0, few, sigma), high(side, 0, std::min(size, side.count), sigma);
+  Flank best;
+  TurningBack passed;
+  double best_error = std::numeric_limits<double>::infinity(), error = 0.0;
+  for (std::uint32_t gap = 0; gap <= most_gap && low.fits(); ++gap) {
+    const Flank flank = low.flank(error);
+    if (flank.straight && least_radius(flank, sigma) >= radius) return flank;
+    if (!best.straight && (flank.straight || error < best_error)) {
+      best = flank;
+      best_error = error;
+    }
+    if (size > few && high.fits()) {
+      const Flank longer = high.flank(error);
+      if (longer.straight) return longer;
+    }
+    if (passed.turns_back(flank.slope)) break;
+    low.move();
+    high.move();
+  }
+  return best;
+}
+
+// A longer stretch beyond a flank that a rounding gave: it still sees what is left of the arc.
+Flank longer_stretch(const Side& side, const Flank& flank, double sigma) noexcept {
+  const std::uint32_t size = 2 * flank.samples;
+  if (flank.gap + size > side.count) return flank;
+  Stretch stretch(side, flank.gap, size, sigma);
+  for (std::uint32_t gap = flank.gap; gap <= flank.gap + flank.samples && stretch.fits(); ++gap, stretch.move()) {
+    double error = 0.0;
+    const Flank longer = stretch.flank(error);
+    if (longer.straight) return longer;
+  }
+  return flank;
 }
 
 } // namespace
 
-Flank find_flank(const Heights& h, std::uint32_t from, std::uint32_t to, std::uint32_t window, std::uint32_t least_window,
-                 std::uint32_t most_gap, const FitScale& scale) {
+Flank find_flank(const Heights& h, std::uint32_t from, std::uint32_t to, std::uint32_t window, std::uint32_t most_gap,
+                 const FitScale& scale) {
+  constexpr std::uint32_t kFewest = 4;
+  constexpr double kFlatter = 3.0; // radius of what is taken for straight against that of the largest rounding
   const bool left = to < from;
   const Side side{h, from, left, (left ? from - to : to - from) + 1};
-  const std::uint32_t size = std::min(window, side.count), least = std::min(least_window, size);
+  const std::uint32_t size = std::min(window, side.count);
   const double sigma = scale.noise + 0.0005;
-  if (most_gap == 0) return first_straight(side, size, 0, 0, sigma);
-  // The end of a rounding is straight over a short window, so long ones go first.
-  Flank best;
+  const double radius = kFlatter * scale.arc_radius;
+  if (most_gap == 0) return first_straight(side, size, size, 0, radius, sigma);
+  // The end of a rounding is straight over a short stretch.
   const double telling = std::sqrt(kTelling * scale.arc_radius * sigma) / scale.pitch;
   const auto most = static_cast<std::uint32_t>(std::min(2.0 * size, std::ceil(telling)));
-  for (std::uint32_t n = std::min(std::max(most, size), side.count); !best.straight; n = n > size ? size : least) {
-    best = first_straight(side, n, 0, most_gap, sigma);
-    if (n <= least) break;
-  }
-  // A longer one still sees what is left of its arc.
-  const std::uint32_t longer = 2 * best.samples;
-  if (best.straight && best.gap > 0 && best.gap + longer <= side.count) {
-    const Flank flank = first_straight(side, longer, best.gap, best.gap + best.samples, sigma);
-    if (flank.straight) best = flank;
-  }
+  const std::uint32_t few = std::min(size, std::max(kFewest, size / 3));
+  Flank best = first_straight(side, few, std::max(most, size), most_gap, radius, sigma);
+  if (best.straight && best.gap > 0) best = longer_stretch(side, best, sigma);
   constexpr double kSmallRounding = 0.35; // mm
   best.rounded = best.straight && best.gap > 0 && (best.gap >= kLeastGap || best.gap * scale.pitch <= kSmallRounding);
   if (best.gap >= kLeastGap) best.chamfered = is_chamfer(side, best, sigma);

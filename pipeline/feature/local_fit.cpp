@@ -192,14 +192,8 @@ bool reach_flanks(Bend& bend, const Heights& h, std::uint32_t k, std::uint32_t f
   const std::uint32_t window = std::clamp(bend.window, scale.least_window, 2 * scale.least_window);
   if (k - first < 4 || last - k < 4) return true;
   const auto most = static_cast<std::uint32_t>(std::min(400.0, std::ceil(kLargest * scale.arc_radius / scale.pitch)));
-  // A steep flank is long against its extent along s, and its noise stands nearly along it: fewer samples tell its slope.
-  const auto samples = [&](double theta) {
-    constexpr std::uint32_t kFewest = 4;
-    const double cosine = std::max(0.05, std::cos(theta / kDegrees));
-    return std::max(kFewest, static_cast<std::uint32_t>(window * std::cbrt(cosine * cosine * cosine * cosine)));
-  };
-  const Flank l = find_flank(h, k - 1, first, window, samples(bend.theta_before), most, scale);
-  const Flank r = find_flank(h, k + 1, last, window, samples(bend.theta_after), most, scale);
+  const Flank l = find_flank(h, k - 1, first, window, most, scale);
+  const Flank r = find_flank(h, k + 1, last, window, most, scale);
   if (!(l.rounded || r.rounded) || !l.straight || !r.straight || l.samples < 4 || r.samples < 4) return true;
   if (l.chamfered || r.chamfered) return true;
   if (std::abs(l.slope - r.slope) < 1e-9) return true;

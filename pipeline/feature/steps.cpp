@@ -89,9 +89,9 @@ void StepFinder::measure(const Heights& h, WallRun& wall, std::uint32_t low, std
   const auto plateau = [&](std::uint32_t end, std::uint32_t limit) {
     if (end == limit) return Flank{h.s[end], h.w[end], 0.0, 0.0, 0, 0, false};
     const std::uint32_t from = limit < end ? end - 1 : end + 1;
-    Flank flank = find_flank(h, from, limit, n, n, most, scale);
-    if (flank.chamfered) return find_flank(h, from, limit, std::min(n, flank.gap), 0, 0, scale);
-    return flank.rounded || flank.gap == 0 ? flank : find_flank(h, from, limit, n, n, 0, scale);
+    Flank flank = find_flank(h, from, limit, n, most, scale);
+    if (flank.chamfered) return find_flank(h, from, limit, std::min(n, flank.gap), 0, scale);
+    return flank.rounded || flank.gap == 0 ? flank : find_flank(h, from, limit, n, 0, scale);
   };
   const Flank before = plateau(wall.first, low), after = plateau(wall.last, high);
   const double middle = 0.5 * (h.s[wall.first] + h.s[wall.last]);
