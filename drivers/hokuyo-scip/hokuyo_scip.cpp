@@ -197,6 +197,7 @@ private:
     probes_ = unanswered_ = 0;
     poll_.clear();
     polled_ns_ = 0;
+    is_polled_ = false;
     decoder_.expect(expected);
     SCANSION_TRY(send(request + "\n"));
     const std::int64_t deadline = now().monotonic_ns + kAnswerNs;
@@ -225,11 +226,11 @@ private:
 
   /// Asks for the next scan twice a period, so that none is missed; the decoder knows one that comes again. When to look again.
   Result<std::int64_t> poll(const Moment& moment) {
-    const bool is_answered = heard_ns_ >= polled_ns_;
-    const std::int64_t due = polled_ns_ + (is_answered ? period_ns_ / 2 : period_ns_ + kPollNs);
+    const std::int64_t due = polled_ns_ + (is_polled_ ? period_ns_ + kPollNs : period_ns_ / 2);
     if (moment.monotonic_ns < due) return due;
     SCANSION_TRY(send(poll_));
     polled_ns_ = moment.monotonic_ns;
+    is_polled_ = true;
     return polled_ns_ + period_ns_ / 2;
   }
 
@@ -239,6 +240,7 @@ private:
     if (line_ns > heard_ns_) {
       heard_ns_ = line_ns;
       probes_ = 0;
+      is_polled_ = false;
     }
     if (probes_ == 0) started_waiting_ns_ = heard_ns_;
     std::int64_t next_poll = INT64_MAX;
@@ -267,6 +269,7 @@ private:
     // Behind the reply to the request only scans or news about them come under its echo.
     heard_ns_ = at.monotonic_ns;
     probes_ = 0;
+    is_polled_ = false;
     const bool is_fault = frame.status >= "50" && frame.status <= "97" && frame.status[0] >= '5' && frame.status[0] <= '9';
     if (is_fault) return fail(Errc::unavailable, port_name(), ": the sensor stopped with hardware fault ", frame.status);
     if (!poll_.empty() && frame.status != "00") return refused(frame.echo, frame.status);
@@ -297,6 +300,7 @@ private:
   int probes_ = 0;                                               ///< since the last scan
   int unanswered_ = 0;                                           ///< of these, in a row
   std::string poll_;                                             ///< the request for one scan; empty: scans come by themselves
+  bool is_polled_ = false;                                       ///< and is not answered yet
   std::int64_t polled_ns_ = 0;                                   ///< when it was last sent
   bool is_fast_ = false;                                         ///< the sensor was last seen at change_baud
   std::optional<std::int64_t> clock_offset_ms_, last_offset_ms_; ///< host less sensor; in the run before
