@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <unordered_map>
 
 namespace scansion::score {
@@ -34,32 +35,86 @@ std::vector<std::uint32_t> found_labels(const Truth& truth, const Found& found) 
   return labels;
 }
 
-/// A form counts as named when a form of its kind holds the found patch that covers most of its largest own patch.
-void judge_forms(const Truth& truth, const Found& found, const std::vector<std::uint32_t>& a,
-                 const std::vector<std::uint32_t>& b, Score& score) {
-  std::vector<std::map<std::uint32_t, std::size_t>> covers(truth.patches.size());
-  for (std::size_t k = 0; k < a.size(); ++k) ++covers[a[k]][b[k]];
-  const auto cover = [&](std::uint32_t patch) {
-    const auto& counts = covers[patch];
-    const auto most = std::ranges::max_element(counts, {}, [](const auto& entry) { return entry.second; });
-    return most == counts.end() ? kNoPatch : most->first;
-  };
-  for (const TrueForm& form : truth.forms) {
-    std::uint32_t main = form.patches.front();
-    const auto own = [&](std::uint32_t patch) { return form.kind == FormKind::step || truth.patches[patch].kind == form.kind; };
-    for (const std::uint32_t patch : form.patches) {
-      const bool better = own(patch) != own(main) ? own(patch) : truth.patches[patch].samples > truth.patches[main].samples;
-      if (better) main = patch;
+/// Samples that true and found patches share, as what each says of the other.
+class Cover {
+public:
+  Cover(const std::vector<std::uint32_t>& truth, const std::vector<std::uint32_t>& found) {
+    for (std::size_t k = 0; k < truth.size(); ++k) {
+      if (found[k] == kNoPatch) continue;
+      ++found_in_[truth[k]][found[k]];
+      ++true_in_[found[k]][truth[k]];
     }
-    ++score.forms;
-    const std::uint32_t id = cover(main);
-    score.forms_named += std::ranges::any_of(found.forms, [&](const Form& other) {
-      return other.kind == form.kind && std::ranges::find(other.patches, id) != other.patches.end();
-    });
+  }
+  /// The found patch that covers most of a true one, and the other way round.
+  [[nodiscard]] std::uint32_t found_at(std::uint32_t truth) const { return most(found_in_, truth); }
+  [[nodiscard]] std::uint32_t true_at(std::uint32_t found) const { return most(true_in_, found); }
+
+private:
+  using Shared = std::unordered_map<std::uint32_t, std::map<std::uint32_t, std::size_t>>;
+  [[nodiscard]] static std::uint32_t most(const Shared& shared, std::uint32_t patch) {
+    const auto at = shared.find(patch);
+    if (at == shared.end()) return kNoPatch;
+    return std::ranges::max_element(at->second, {}, [](const auto& entry) { return entry.second; })->first;
+  }
+  Shared found_in_, true_in_;
+};
+
+bool holds(const std::vector<std::uint32_t>& patches, std::uint32_t patch) noexcept {
+  return std::ranges::find(patches, patch) != patches.end();
+}
+
+/// Of a step both levels must be there. Any other form holds the patch that covers most of the largest true patch of its own
+/// kind, and that patch lies mostly on the form.
+bool agree(const Truth& truth, const TrueForm& form, const Form& said, const Cover& cover) {
+  if (said.kind != form.kind) return false;
+  if (form.kind == FormKind::step) {
+    std::set<std::uint32_t> sides;
+    for (const std::uint32_t patch : said.patches) {
+      const std::uint32_t side = cover.true_at(patch);
+      if (holds(form.patches, side)) sides.insert(side);
+    }
+    return sides.size() >= 2;
+  }
+  std::uint32_t main = form.patches.front();
+  for (const std::uint32_t patch : form.patches) {
+    const bool own = truth.patches[patch].kind == form.kind, main_own = truth.patches[main].kind == form.kind;
+    if (own != main_own ? own : truth.patches[patch].samples > truth.patches[main].samples) main = patch;
+  }
+  const std::uint32_t id = cover.found_at(main);
+  return holds(said.patches, id) && holds(form.patches, cover.true_at(id));
+}
+
+void judge_forms(const Truth& truth, const Found& found, const Cover& cover, FormCounts& counts) {
+  std::vector<bool> named(truth.forms.size(), false);
+  for (const Form& said : found.forms) {
+    FormCount& count = counts[static_cast<std::size_t>(said.kind)];
+    ++count.said;
+    for (std::size_t k = 0; k < truth.forms.size(); ++k) {
+      if (named[k] || !agree(truth, truth.forms[k], said, cover)) continue;
+      named[k] = true;
+      ++count.right;
+      break;
+    }
+  }
+  for (std::size_t k = 0; k < truth.forms.size(); ++k) {
+    FormCount& count = counts[static_cast<std::size_t>(truth.forms[k].kind)];
+    ++count.there;
+    count.named += named[k] ? 1U : 0U;
   }
 }
 
 } // namespace
+
+FormCount sum_of(const FormCounts& counts) noexcept {
+  FormCount sum;
+  for (const FormCount& count : counts) {
+    sum.there += count.there;
+    sum.named += count.named;
+    sum.said += count.said;
+    sum.right += count.right;
+  }
+  return sum;
+}
 
 double adjusted_rand_index(const std::vector<std::uint32_t>& a, const std::vector<std::uint32_t>& b) {
   std::unordered_map<std::uint64_t, std::uint64_t> both;
@@ -90,7 +145,7 @@ void judge_patches(const Truth& truth, const Found& found, Score& score) {
   const auto b = found_labels(truth, found);
   score.has_patches = true;
   score.rand_index = adjusted_rand_index(a, b);
-  judge_forms(truth, found, a, b, score);
+  judge_forms(truth, found, Cover(a, b), score.forms);
 }
 
 } // namespace scansion::score
