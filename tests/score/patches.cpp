@@ -63,21 +63,29 @@ bool holds(const std::vector<std::uint32_t>& patches, std::uint32_t patch) noexc
   return std::ranges::find(patches, patch) != patches.end();
 }
 
-/// Of a step both levels must be there. Any other form holds the patch that covers most of the largest true patch of its own
-/// kind, and that patch lies mostly on the form.
-bool agree(const Truth& truth, const TrueForm& form, const Form& said, const Cover& cover) {
+bool is_own(const Truth& truth, const TrueForm& form, std::uint32_t patch) {
+  return holds(form.patches, patch) && (form.kind == FormKind::step || truth.patches[patch].kind == form.kind);
+}
+
+/// Is it such a form, there? Of a step both levels must be; of any other form a patch that lies mostly on a true patch of its own
+/// kind.
+bool is_right(const Truth& truth, const TrueForm& form, const Form& said, const Cover& cover) {
   if (said.kind != form.kind) return false;
-  if (form.kind == FormKind::step) {
-    std::set<std::uint32_t> sides;
-    for (const std::uint32_t patch : said.patches) {
-      const std::uint32_t side = cover.true_at(patch);
-      if (holds(form.patches, side)) sides.insert(side);
-    }
-    return sides.size() >= 2;
+  std::set<std::uint32_t> places;
+  for (const std::uint32_t patch : said.patches) {
+    const std::uint32_t place = cover.true_at(patch);
+    if (place != kNoPatch && is_own(truth, form, place)) places.insert(place);
   }
+  return places.size() >= (form.kind == FormKind::step ? 2U : 1U);
+}
+
+/// Does it name the form? It is right, and but for a step it holds the patch that covers most of the form's largest own patch.
+bool names(const Truth& truth, const TrueForm& form, const Form& said, const Cover& cover) {
+  if (!is_right(truth, form, said, cover)) return false;
+  if (form.kind == FormKind::step) return true;
   std::uint32_t main = form.patches.front();
   for (const std::uint32_t patch : form.patches) {
-    const bool own = truth.patches[patch].kind == form.kind, main_own = truth.patches[main].kind == form.kind;
+    const bool own = is_own(truth, form, patch), main_own = is_own(truth, form, main);
     if (own != main_own ? own : truth.patches[patch].samples > truth.patches[main].samples) main = patch;
   }
   const std::uint32_t id = cover.found_at(main);
@@ -85,21 +93,15 @@ bool agree(const Truth& truth, const TrueForm& form, const Form& said, const Cov
 }
 
 void judge_forms(const Truth& truth, const Found& found, const Cover& cover, FormCounts& counts) {
-  std::vector<bool> named(truth.forms.size(), false);
   for (const Form& said : found.forms) {
     FormCount& count = counts[static_cast<std::size_t>(said.kind)];
     ++count.said;
-    for (std::size_t k = 0; k < truth.forms.size(); ++k) {
-      if (named[k] || !agree(truth, truth.forms[k], said, cover)) continue;
-      named[k] = true;
-      ++count.right;
-      break;
-    }
+    count.right += std::ranges::any_of(truth.forms, [&](const TrueForm& form) { return is_right(truth, form, said, cover); });
   }
-  for (std::size_t k = 0; k < truth.forms.size(); ++k) {
-    FormCount& count = counts[static_cast<std::size_t>(truth.forms[k].kind)];
+  for (const TrueForm& form : truth.forms) {
+    FormCount& count = counts[static_cast<std::size_t>(form.kind)];
     ++count.there;
-    count.named += named[k] ? 1U : 0U;
+    count.named += std::ranges::any_of(found.forms, [&](const Form& said) { return names(truth, form, said, cover); });
   }
 }
 
