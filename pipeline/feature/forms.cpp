@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace scansion {
 
@@ -14,6 +15,10 @@ namespace {
 constexpr double kTilted = 20.0;     // degrees: a strip that leans so much against what is around it is no top and no floor
 constexpr double kLevelled = 20.0;   // degrees: levels of one step lean no more against each other
 constexpr double kWallTilt = 45.0;   // degrees
+constexpr double kAllRound = 0.7;     // of the border that leads anywhere
+constexpr double kSide = 0.25;        // of an outline: a side of a form
+constexpr double kClosed = 0.02;      // of an outline: so much of it may be open in a form without open ends
+constexpr double kNoWider = 1.1;      // against the smallest level beside it
 constexpr double kCrease = 0.2;      // of a flank's outline: what two flanks of one groove share
 constexpr double kOtherSide = 0.6;   // of the rest of its outline
 constexpr double kLeastHeight = 0.03; // mm: a top stands so much above what is around it
@@ -30,16 +35,16 @@ public:
   FormKind name(std::uint32_t id) {
     if (graph_.node(id).form != FormKind::face) return graph_.node(id).form;
     const PatchLook look = look_at(graph_, id, sampling_);
-    switch (look.role) {
-    case Role::top:
-    case Role::floor: return name_level(id, look);
-    case Role::trough:
-    case Role::bulge: return name_rounded(id, look);
-    case Role::flank: return name_flank(id, look);
-    case Role::face: break;
-    }
-    name_steps(id, look);
-    return FormKind::face;
+    if (look.role == Role::flank) return name_flank(id, look);
+    if (look.role == Role::strip) return FormKind::chamfer;
+    FormKind kind = FormKind::face;
+    if (look.role == Role::trough || look.role == Role::bulge) kind = kind_of(look.role == Role::bulge, look.is_long());
+    if (look.role == Role::top || look.role == Role::floor) kind = kind_of_level(id, look);
+    if (kind == FormKind::face) name_steps(id, look);
+    if (kind == FormKind::face || kind == FormKind::chamfer) return kind;
+    graph_.node(id).form = kind;
+    emit(kind, with_walls(id), look.outline);
+    return kind;
   }
 
 private:
@@ -67,36 +72,36 @@ private:
     return patches;
   }
 
-  FormKind name_level(std::uint32_t id, const PatchLook& look) {
+  /// What a top or floor makes of its patch. All that lies around must lie lower, or higher: a land between two grooves is as
+  /// high as what is beyond them.
+  [[nodiscard]] FormKind kind_of_level(std::uint32_t id, const PatchLook& look) const {
     const PatchNode& own = graph_.node(id);
+    const bool raised = look.role == Role::top;
+    const double least = std::max(kLeastHeight, kNoise * sampling_.noise);
     const PatchNode* largest = nullptr;
-    double border = 0.0, fall = 0.0;
+    double smallest = std::numeric_limits<double>::infinity();
+    double border = 0.0, falls = 0.0;
     for (const Level& level : levels_around(graph_, id, sampling_)) {
       const PatchNode& other = graph_.node(level.patch);
       if (own.encloses(other)) continue;
-      if (largest == nullptr || other.sums.count() > largest->sums.count()) largest = &other;
       border += level.border;
-      fall += level.border * level.fall;
+      if ((raised ? level.fall : -level.fall) >= least) falls += level.border;
+      if (largest == nullptr || other.sums.count() > largest->sums.count()) largest = &other;
+      if (level.border >= kSide * look.outline.cut()) smallest = std::min(smallest, other.sums.count());
     }
-    if (border > 0.0) fall /= border;
-    const bool raised = look.role == Role::top;
-    const double least = std::max(kLeastHeight, kNoise * sampling_.noise);
-    if (border > 0.0 && (raised ? fall : -fall) < least) return FormKind::face;
-    if (look.is_long() && largest != nullptr) {
-      if (angle_between(look.plane, largest->sums.plane()) >= kTilted) return FormKind::chamfer;
-      if (largest->sums.count() < own.sums.count() && look.outline.open > 0.0) return FormKind::face;
-    }
-    const FormKind kind = kind_of(raised, look.is_long());
-    graph_.node(id).form = kind;
-    emit(kind, with_walls(id), look.outline);
-    return kind;
+    if (look.is_long() && largest != nullptr && angle_between(look.plane, largest->sums.plane()) >= kTilted)
+      return FormKind::chamfer;
+    if (falls < kAllRound * border) return FormKind::face;
+    // Between two steps the narrower part is the form.
+    const bool open = look.outline.open > kClosed * look.outline.all();
+    if (open && own.sums.count() > kNoWider * smallest) return FormKind::face;
+    return kind_of(raised, look.is_long());
   }
 
-  FormKind name_rounded(std::uint32_t id, const PatchLook& look) {
-    const FormKind kind = kind_of(look.role == Role::bulge, look.is_long());
-    graph_.node(id).form = kind;
-    emit(kind, with_walls(id), look.outline);
-    return kind;
+  /// Is the patch a plain level, between which there may be a step?
+  [[nodiscard]] bool is_plain(std::uint32_t id, const PatchLook& look) const {
+    if (look.role == Role::face) return true;
+    return (look.role == Role::top || look.role == Role::floor) && kind_of_level(id, look) == FormKind::face;
   }
 
   /// Do the two flanks meet in a crease that is long against both, `concave` or convex, with the other polarity around them?
@@ -158,9 +163,9 @@ private:
     for (const Level& level : levels_around(graph_, id, sampling_)) {
       PatchNode& own = graph_.node(id);
       const std::vector<std::uint32_t>& known = own.steps_to;
-      if (level.over.size() > 1 || std::find(known.begin(), known.end(), level.patch) != known.end()) continue;
+      if (std::find(known.begin(), known.end(), level.patch) != known.end()) continue;
       const PatchLook other = look_at(graph_, level.patch, sampling_);
-      if (other.role != Role::face || angle_between(look.plane, other.plane) > kLevelled) continue;
+      if (!is_plain(level.patch, other) || angle_between(look.plane, other.plane) > kLevelled) continue;
       if (!is_step(id, level, std::min(look.outline.all(), other.outline.all()))) continue;
       std::vector<std::uint32_t> patches = level.over;
       patches.insert(patches.begin(), level.fall > 0.0 ? id : level.patch);
@@ -176,7 +181,7 @@ private:
     const double least = std::max(kLeastSteps * sampling_.coarse(), kStepBorder * outline);
     if (level.over.empty()) return graph_.node(id).borders.at(level.patch).length[2] >= least;
     const Border& here = graph_.node(id).borders.at(level.over.front());
-    const Border& there = graph_.node(level.patch).borders.at(level.over.front());
+    const Border& there = graph_.node(level.patch).borders.at(level.over.back());
     const bool falls = high_of(here) > low_of(here);
     return here.total() >= least && there.total() >= least && falls != (high_of(there) > low_of(there)) &&
            falls == (level.fall > 0.0);

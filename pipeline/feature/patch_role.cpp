@@ -18,8 +18,17 @@ constexpr double kLong = 3.2;       // length / width; floors are a little longe
 constexpr double kFull = 0.6;       // of the box that its spread tells: a patch that fills less is bent
 constexpr double kManhattan = 0.85; // outlines are measured along rows and columns
 constexpr double kSag = 0.05;       // of the width
+constexpr double kSlope = 0.14;     // of a flank: tan 8 degrees
+constexpr double kLarger = 2.0;     // times: the face beside a strip
+constexpr double kSide = 0.25;      // of an outline
 constexpr double kContact = 0.15;   // of a flank's outline, to lead anywhere
 constexpr double kDegrees = 180.0 / std::numbers::pi;
+
+bool slopes(const PatchLook& look) {
+  const Outline& o = look.outline;
+  const double all = o.cut() + o.enclosed_high + o.enclosed_low;
+  return o.high + o.enclosed_high >= kSome * all && o.low + o.enclosed_low >= kSome * all && o.drop >= kSlope * look.width;
+}
 
 Role role_of(const PatchLook& look, const Sampling& sampling) {
   const Outline& o = look.outline;
@@ -28,10 +37,23 @@ Role role_of(const PatchLook& look, const Sampling& sampling) {
   const bool ends = look.is_long() && o.open <= 3.0 * look.width + 8.0 * sampling.coarse();
   const double sag = std::max(kSag * look.width, 2.0 * sampling.noise);
   if (shut || ends) {
-    if (o.high >= kMost * o.cut()) return o.sag > sag ? Role::trough : Role::top;
-    if (o.low >= kMost * o.cut()) return o.sag < -sag ? Role::bulge : Role::floor;
+    // A cone without its tip, bordered by its foot, is a flank of what it encloses.
+    if (o.high >= kMost * o.cut())
+      return o.sag <= sag ? Role::top : slopes(look) ? Role::flank : Role::trough;
+    if (o.low >= kMost * o.cut())
+      return o.sag >= -sag ? Role::floor : slopes(look) ? Role::flank : Role::bulge;
   }
-  return o.high >= kSome * o.cut() && o.low >= kSome * o.cut() ? Role::flank : Role::face;
+  return slopes(look) ? Role::flank : Role::face;
+}
+
+/// A bevel or rounding meets a larger face in a crease on one side only.
+bool is_strip(const PatchGraph& graph, std::uint32_t id, const PatchLook& look) {
+  double beside = 0.0;
+  for (const auto& [other, border] : graph.node(id).borders) {
+    if (other == id || border.length[2] > border.length[0] + border.length[1]) continue;
+    if (graph.node(other).sums.count() >= kLarger * graph.node(id).sums.count()) beside += border.total();
+  }
+  return beside >= kSide * look.outline.cut() && beside <= (1.0 - kSide) * look.outline.cut();
 }
 
 } // namespace
@@ -48,20 +70,39 @@ Outline outline_of(const PatchGraph& graph, std::uint32_t id) {
   const PatchNode& node = graph.node(id);
   Outline o;
   std::array<double, 3> rim{};
+  std::array<double, 2> height{}, length{}; // of the rims where it is high and where it is low
+  const auto note_rim = [&](const Border& border) {
+    const std::size_t low = high_of(border) < low_of(border) ? 1 : 0;
+    height[low] += border.rim[2];
+    length[low] += border.total();
+  };
   const auto add = [&](const Border& border) {
     o.high += high_of(border);
     o.low += low_of(border);
     o.backed += border.backed;
     for (std::size_t k = 0; k < rim.size(); ++k) rim[k] += border.rim[k];
+    note_rim(border);
   };
-  for (const auto& [other, border] : node.borders)
-    if (other != id && border.total() > 0.0 && !node.encloses(graph.node(other))) add(border);
+  const auto add_enclosed = [&](const Border& border) {
+    o.enclosed_high += high_of(border);
+    o.enclosed_low += low_of(border);
+    note_rim(border);
+  };
+  for (const auto& [other, border] : node.borders) {
+    if (other == id || border.total() <= 0.0) continue;
+    if (node.encloses(graph.node(other)))
+      add_enclosed(border);
+    else
+      add(border);
+  }
   add(node.past_outside);
+  add_enclosed(node.past_inside);
   o.open = node.open;
   if (o.cut() > 0.0) {
     const PatchPlane plane = node.sums.plane();
     o.sag = rim[2] / o.cut() - plane.at(rim[0] / o.cut(), rim[1] / o.cut());
   }
+  if (length[0] > 0.0 && length[1] > 0.0) o.drop = height[0] / length[0] - height[1] / length[1];
   return o;
 }
 
@@ -85,6 +126,7 @@ PatchLook look_at(const PatchGraph& graph, std::uint32_t id, const Sampling& sam
   }
   look.width = std::max(look.width, sampling.coarse());
   look.role = role_of(look, sampling);
+  if ((look.role == Role::top || look.role == Role::floor) && look.is_long() && is_strip(graph, id, look)) look.role = Role::strip;
   return look;
 }
 
@@ -115,9 +157,9 @@ private:
   void follow(std::uint32_t patch, const Border& back) {
     constexpr std::size_t kMostFlanks = 2;
     const PatchLook look = look_at(graph_, patch, sampling_);
-    if (look.role != Role::flank || path_.size() == kMostFlanks) {
-      const double fall = first_->rim[2] / first_->total() - back.rim[2] / back.total();
-      levels_.push_back({patch, path_, first_->total(), fall});
+    const bool leads_on = look.role == Role::flank || look.role == Role::strip;
+    if (!leads_on || path_.size() == kMostFlanks) {
+      levels_.push_back({patch, path_, first_->total(), fall_to(look.plane, back)});
       return;
     }
     const double least = kContact * look.outline.all();
@@ -128,6 +170,14 @@ private:
       follow(beyond, graph_.node(beyond).borders.at(patch));
     }
     path_.pop_back();
+  }
+
+  /// From rim to rim, less what the slope of both patches accounts for.
+  [[nodiscard]] double fall_to(const PatchPlane& plane, const Border& back) const {
+    std::array<double, 3> way{};
+    for (std::size_t k = 0; k < way.size(); ++k) way[k] = first_->rim[k] / first_->total() - back.rim[k] / back.total();
+    const PatchPlane own = graph_.node(from_).sums.plane();
+    return way[2] - 0.5 * (own.gs + plane.gs) * way[0] - 0.5 * (own.gc + plane.gc) * way[1];
   }
 
   const PatchGraph& graph_;
