@@ -79,13 +79,78 @@ void PatchGrower::find_contacts() {
       const auto cut = static_cast<double>(high - low);
       const double open = static_cast<double>(to - from + 1) - cut;
       const double least = to - from + 1 <= 2 ? 1.0 : 2.0;
-      if (open >= least && open >= kNarrow * (open + cut)) contacts_.push_back({i, a.patch, open, cut});
+      if (open >= least && open >= kNarrow * (open + cut)) contacts_.push_back({i, j, a.patch, open, cut});
     }
   }
 }
 
-// Unites the stretches of this row with those of the row before. Two patches that are already large are not united by a stretch
-// that merely touches both: one missing point of a feature line would do that.
+// Would the two be joined over a contact that is short against the border that parts them?
+bool PatchGrower::is_leak(std::uint32_t a, std::uint32_t b, const Sampling& sampling) {
+  const PatchNode& node = graph_.node(a);
+  const auto at = node.borders.find(b);
+  if (at == node.borders.end() || at->second.total() <= 0.0) return false;
+  if (node.sums.count() < kLarge || graph_.node(b).sums.count() < kLarge) return false;
+  return at->second.contact < std::max(4.0 * sampling.coarse(), kNarrow * at->second.total());
+}
+
+// A stretch below two patches that a border parts shows that the border was missed here: it is held where it was, for a while.
+bool PatchGrower::hold_borders(const PatchRow& row, const Sampling& sampling) {
+  bool any = false;
+  std::vector<Stretch>& held = held_;
+  held.clear();
+  auto contact = contacts_.begin();
+  for (std::size_t i = 0; i < now_.size(); ++i) {
+    Stretch rest = now_[i];
+    for (; contact != contacts_.end() && contact->stretch == i; ++contact) {
+      const auto next = std::next(contact);
+      if (next == contacts_.end() || next->stretch != i || next->above != contact->above + 1) continue;
+      const Stretch& border = above_[next->above];
+      if (!border.cut_before || contact->patch == next->patch || !is_leak(contact->patch, next->patch, sampling)) continue;
+      const double s = border.cut.s + border.drift;
+      const auto begin = row.s.begin() + rest.first, end = row.s.begin() + rest.last + 1;
+      const auto after = static_cast<std::uint32_t>(std::lower_bound(begin, end, s) - row.s.begin());
+      if (after == rest.first || after > rest.last) continue;
+      Stretch left = rest;
+      left.last = after - 1;
+      left.s_high = row.s[after - 1];
+      held.push_back(left);
+      rest.first = after;
+      rest.s_low = row.s[after];
+      rest.cut_before = rest.held = true;
+      rest.cut = border.cut;
+      rest.cut.s = s;
+      rest.cut.backed = false;
+      rest.drift = border.drift;
+      for (const auto& [own, other] :
+           {std::pair{contact->patch, next->patch}, std::pair{next->patch, contact->patch}}) {
+        graph_.node(own).borders[other].contact += sampling.spacing;
+        graph_.node(own).doubtful = true;
+      }
+      any = true;
+    }
+    held.push_back(rest);
+  }
+  std::swap(now_, held);
+  return any;
+}
+
+// How cuts move from row to row.
+void PatchGrower::follow_cuts() {
+  constexpr double kGain = 0.3;
+  std::size_t j = 1;
+  for (std::size_t i = 1; i < now_.size(); ++i) {
+    if (!now_[i].cut_before || now_[i].held) continue;
+    while (j < above_.size() && above_[j].s_high < now_[i].s_low) ++j;
+    for (const std::size_t k : {j, j + 1}) {
+      if (k >= above_.size() || !above_[k].cut_before || above_[k].patch != now_[i].patch) continue;
+      if (above_[k - 1].patch != now_[i - 1].patch) continue;
+      now_[i].drift = above_[k].drift + kGain * (now_[i].cut.s - above_[k].cut.s - above_[k].drift);
+      break;
+    }
+  }
+}
+
+// Unites the stretches of this row with those of the row before.
 void PatchGrower::link(const Sampling& sampling, FeatureReport& report) {
   // The widest open contact gives a stretch its patch.
   auto contact = contacts_.begin();
@@ -98,15 +163,11 @@ void PatchGrower::link(const Sampling& sampling, FeatureReport& report) {
   for (const Contact& c : contacts_) {
     const std::uint32_t own = graph_.find(now_[c.stretch].patch), other = graph_.find(c.patch);
     if (own == other) continue;
-    Border& mine = graph_.node(own).borders[other];
-    Border& theirs = graph_.node(other).borders[own];
-    mine.contact += sampling.spacing;
-    theirs.contact += sampling.spacing;
-    const bool both_large = graph_.node(own).sums.count() >= kLarge && graph_.node(other).sums.count() >= kLarge;
-    // Rows that touch both, against the border that parts them.
-    const double limit = std::max(4.0 * sampling.coarse(), kNarrow * mine.total());
-    if (both_large && mine.total() > 0.0 && mine.contact < limit) {
-      graph_.node(own).doubtful = true;
+    if (is_leak(own, other, sampling)) {
+      for (const auto& [a, b] : {std::pair{own, other}, std::pair{other, own}}) {
+        graph_.node(a).borders[b].contact += sampling.spacing;
+        graph_.node(a).doubtful = true;
+      }
       continue;
     }
     graph_.unite(own, other, report.merges);
@@ -151,7 +212,7 @@ void PatchGrower::measure(const PatchRow& row, const Sampling& sampling) {
     const std::uint32_t left = now_[i - 1].patch;
     const Vector3 here{row.s[t.first], row.c, row.w[t.first]};
     const Vector3 there{row.s[now_[i - 1].last], row.c, row.w[now_[i - 1].last]};
-    note_border(t.patch, left, t.cut, sampling.spacing, here, there);
+    if (!t.held) note_border(t.patch, left, t.cut, sampling.spacing, here, there);
   }
 }
 
@@ -265,8 +326,10 @@ void PatchGrower::assign(const PatchRow& row, const PatchRow* next, Cuts& cuts, 
   }
   split(row, sampling);
   find_contacts();
+  if (hold_borders(row, sampling)) find_contacts();
   link(sampling, report);
   for (Stretch& t : above_) t.patch = graph_.find(t.patch);
+  follow_cuts();
   measure(row, sampling);
   measure_across(row, first_column);
   if (begins)

@@ -33,10 +33,12 @@ private:
     std::uint32_t patch = 0;
     double s_low = 0.0, s_high = 0.0;
     bool cut_before = false; // by a feature line or a wall, else by the end of the data
+    bool held = false;       // the cut was not seen, but known from the row before
+    double drift = 0.0;      // of the cut, mm a row
     Cut cut;
   };
   struct Contact {
-    std::size_t stretch = 0;
+    std::size_t stretch = 0, above = 0;
     std::uint32_t patch = 0;
     double open = 0.0, cut = 0.0;
   };
@@ -44,6 +46,9 @@ private:
   void assign(const PatchRow& row, const PatchRow* next, Cuts& cuts, const Sampling& sampling, FeatureReport& report);
   void split(const PatchRow& row, const Sampling& sampling);
   void find_contacts();
+  bool hold_borders(const PatchRow& row, const Sampling& sampling);
+  [[nodiscard]] bool is_leak(std::uint32_t a, std::uint32_t b, const Sampling& sampling);
+  void follow_cuts();
   void link(const Sampling& sampling, FeatureReport& report);
   void measure(const PatchRow& row, const Sampling& sampling);
   void measure_across(const PatchRow& row, std::int64_t first_column);
@@ -62,7 +67,7 @@ private:
   Jumps jumps_;
   std::deque<PatchRow> rows_;
   std::vector<PatchRow> spare_;
-  std::vector<Stretch> above_, now_;
+  std::vector<Stretch> above_, now_, held_;
   std::vector<Contact> contacts_;
   std::vector<ColumnPair> pairs_;
   std::vector<Cut> in_line_, across_;
