@@ -9,9 +9,10 @@ namespace scansion {
 
 namespace {
 
-constexpr double kWallSlope = 2.7474774194546; // tan 70
+constexpr double kWallSlope = 1.7320508; // tan 60: a wall of 80 degrees with one sample on it looks no steeper than this
 constexpr std::uint32_t kMostIntervals = 6;    // a longer wall shows samples enough to be a patch
 constexpr double kBeside = 2.5;                // pitches from a step's cut to the wall that it stands for
+constexpr double kAtOnce = 1.1;                // and from that of a crease
 constexpr double kHole = 1.2;                  // pitches from a column to its sample
 constexpr double kPhase = 0.27;                // of a pitch: samples often stand on columns or midway between them
 
@@ -65,7 +66,7 @@ void Jumps::in_line(const PatchRow& row, const Sampling& sampling, std::vector<C
       const double dw = row.w[k + 1] - row.w[k];
       const auto is_wall = [&](std::uint32_t i) {
         const double d = row.w[i + 1] - row.w[i];
-        return std::abs(d) > least && d * dw > 0.0 && std::abs(d) > kWallSlope * (row.s[i + 1] - row.s[i]);
+        return std::abs(d) > 0.5 * least && d * dw > 0.0 && std::abs(d) > kWallSlope * (row.s[i + 1] - row.s[i]);
       };
       if (!is_wall(k)) {
         ++k;
@@ -73,7 +74,7 @@ void Jumps::in_line(const PatchRow& row, const Sampling& sampling, std::vector<C
       }
       std::uint32_t after = k + 1;
       while (after + 1 < end && is_wall(after)) ++after;
-      if (after - k <= kMostIntervals) {
+      if (after - k <= kMostIntervals && std::abs(row.w[after] - row.w[k]) > least) {
         walls_.push_back(k);
         if (after - k > 1) walls_.push_back(after - 1);
       }
@@ -93,8 +94,8 @@ void Jumps::in_line(const PatchRow& row, const Sampling& sampling, std::vector<C
   const std::size_t walls = merged_.size();
   for (const Cut& cut : cuts) {
     bool moved = false;
-    for (std::size_t i = 0; i < walls && cut.kind == BorderKind::step; ++i) {
-      if (std::abs(merged_[i].s - cut.s) > kBeside * sampling.pitch) continue;
+    for (std::size_t i = 0; i < walls; ++i) {
+      if (std::abs(merged_[i].s - cut.s) > (cut.kind == BorderKind::step ? kBeside : kAtOnce) * sampling.pitch) continue;
       merged_[i].backed = merged_[i].backed || cut.backed;
       moved = true;
     }
