@@ -204,12 +204,17 @@ void PatchGrower::measure(const PatchRow& row, const Sampling& sampling) {
     n.c_low = std::min(n.c_low, row.c);
     n.c_high = std::max(n.c_high, row.c);
     if (i + 1 == now_.size()) n.open += sampling.spacing;
-    if (i == 0 || !t.cut_before) {
+    if (i == 0) {
       n.open += sampling.spacing;
-      if (i > 0) graph_.node(now_[i - 1].patch).open += sampling.spacing;
       continue;
     }
     const std::uint32_t left = now_[i - 1].patch;
+    if (!t.cut_before) {
+      if (left == t.patch) continue; // samples that are missing inside a patch
+      n.open += sampling.spacing;
+      graph_.node(left).open += sampling.spacing;
+      continue;
+    }
     const Vector3 here{row.s[t.first], row.c, row.w[t.first]};
     const Vector3 there{row.s[now_[i - 1].last], row.c, row.w[now_[i - 1].last]};
     if (!t.held) note_border(t.patch, left, t.cut, sampling.spacing, here, there);
@@ -224,12 +229,15 @@ void PatchGrower::measure_across(const PatchRow& row, std::int64_t first_column)
     const ColumnPair& pair = pairs_[i];
     while (pair.before != ColumnPair::kNone && above_[a].last < pair.before) ++a;
     while (pair.now != ColumnPair::kNone && now_[b].last < pair.now) ++b;
+    const auto column = first_column + static_cast<std::int64_t>(i);
     if (pair.before == ColumnPair::kNone || pair.now == ColumnPair::kNone) {
-      if (pair.before != pair.now)
+      // Samples that are missing inside a row are no end of the data.
+      const double s = static_cast<double>(column) * pitch_;
+      const bool ends = s < std::max(row.s.front(), last_row_.s.front()) || s > std::min(row.s.back(), last_row_.s.back());
+      if (ends && pair.before != pair.now)
         graph_.node(pair.now != ColumnPair::kNone ? now_[b].patch : above_[a].patch).open += pitch_;
       continue;
     }
-    const auto column = first_column + static_cast<std::int64_t>(i);
     while (cut != across_.end() && cut->column < column) ++cut;
     if (cut == across_.end() || cut->column != column) continue;
     const Vector3 here{row.s[pair.now], row.c, row.w[pair.now]};
