@@ -12,20 +12,20 @@ namespace scansion {
 
 namespace {
 
-constexpr double kTilted = 20.0;     // degrees: a strip that leans so much against what is around it is no top and no floor
-constexpr double kLevelled = 20.0;   // degrees: levels of one step lean no more against each other
-constexpr double kWallTilt = 45.0;   // degrees
+constexpr double kTilted = 20.0;      // degrees: a strip that leans so much against what is around it is no top and no floor
+constexpr double kLevelled = 20.0;    // degrees: levels of one step lean no more against each other
+constexpr double kWallTilt = 45.0;    // degrees
 constexpr double kAllRound = 0.7;     // of the border that leads anywhere
 constexpr double kSide = 0.25;        // of an outline: a side of a form
 constexpr double kClosed = 0.02;      // of an outline: so much of it may be open in a form without open ends
 constexpr double kNoWider = 1.1;      // against the smallest level beside it
-constexpr double kCrease = 0.2;      // of a flank's outline: what two flanks of one groove share
-constexpr double kOtherSide = 0.6;   // of the rest of its outline
+constexpr double kCrease = 0.2;       // of a flank's outline: what two flanks of one groove share
+constexpr double kOtherSide = 0.6;    // of the rest of its outline
 constexpr double kLeastHeight = 0.03; // mm: a top stands so much above what is around it
 constexpr double kNoise = 3.0;        // sigmas: and so much
-constexpr double kRound = 1.6;       // length / width of a pyramid
-constexpr double kStepBorder = 0.15; // of the smaller level's outline
-constexpr double kLeastSteps = 6.0;  // coarse steps: and no shorter than this
+constexpr double kRound = 1.6;        // length / width of a pyramid
+constexpr double kStepBorder = 0.15;  // of the smaller level's outline
+constexpr double kLeastSteps = 6.0;   // coarse steps: and no shorter than this
 
 class Namer {
 public:
@@ -147,9 +147,8 @@ private:
       if (flanks.size() < 2) continue;
       const FormKind kind = kind_of(!concave, !is_pit(flanks));
       for (const std::uint32_t flank : flanks) graph_.node(flank).form = kind;
-      std::sort(flanks.begin(), flanks.end(), [&](std::uint32_t a, std::uint32_t b) {
-        return graph_.node(a).sums.count() > graph_.node(b).sums.count();
-      });
+      std::sort(flanks.begin(), flanks.end(),
+                [&](std::uint32_t a, std::uint32_t b) { return graph_.node(a).sums.count() > graph_.node(b).sums.count(); });
       emit(kind, std::move(flanks), look.outline);
       return kind;
     }

@@ -9,8 +9,8 @@
 
 namespace scansion {
 
-/// Labels patch `id` by what it borders on, and adds the form features that are complete with it to `forms`: each once, with its
-/// floor, top or larger flank first, a step with its upper level first.
+/// Labels patch `id` by what it borders on, and adds the form features that are complete with it to `forms`: each once, with
+/// its floor, top or larger flank first, a step with its upper level first.
 [[nodiscard]] FormKind name_forms(PatchGraph& graph, std::uint32_t id, const Sampling& sampling, std::vector<Form>& forms);
 
 } // namespace scansion

@@ -9,12 +9,12 @@ namespace scansion {
 
 namespace {
 
-constexpr double kWallSlope = 1.7320508; // tan 60: a wall of 80 degrees with one sample on it looks no steeper than this
-constexpr std::uint32_t kMostIntervals = 6;    // a longer wall shows samples enough to be a patch
-constexpr double kBeside = 2.5;                // pitches from a step's cut to the wall that it stands for
-constexpr double kAtOnce = 1.1;                // and from that of a crease
-constexpr double kHole = 1.2;                  // pitches from a column to its sample
-constexpr double kPhase = 0.27;                // of a pitch: samples often stand on columns or midway between them
+constexpr double kWallSlope = 1.7320508;    // tan 60: a wall of 80 degrees with one sample on it looks no steeper than this
+constexpr std::uint32_t kMostIntervals = 6; // a longer wall shows samples enough to be a patch
+constexpr double kBeside = 2.5;             // pitches from a step's cut to the wall that it stands for
+constexpr double kAtOnce = 1.1;             // and from that of a crease
+constexpr double kHole = 1.2;               // pitches from a column to its sample
+constexpr double kPhase = 0.27;             // of a pitch: samples often stand on columns or midway between them
 
 double least_wall(const Sampling& sampling) noexcept {
   return std::max(8.0 * sampling.noise, 0.09);
@@ -30,8 +30,8 @@ std::uint32_t sample_at(const PatchRow& row, double s, double pitch, std::uint32
 }
 
 auto find_column(const auto& sorted, std::int64_t column) noexcept {
-  const auto at =
-      std::lower_bound(sorted.begin(), sorted.end(), column, [](const auto& entry, std::int64_t c) { return entry.column < c; });
+  const auto at = std::lower_bound(sorted.begin(), sorted.end(), column,
+                                   [](const auto& entry, std::int64_t c) { return entry.column < c; });
   return at != sorted.end() && at->column == column ? at : sorted.end();
 }
 
@@ -133,7 +133,8 @@ void Jumps::across(const PatchRow& before, const PatchRow& now, const PatchRow* 
   }
   merged_.clear();
   for (const Cut& cut : cuts) {
-    const bool moved = cut.kind == BorderKind::step && (has(above_, cut.column) || has(here_, cut.column) || has(below_, cut.column));
+    const bool moved =
+        cut.kind == BorderKind::step && (has(above_, cut.column) || has(here_, cut.column) || has(below_, cut.column));
     if (!moved && !has(parting_, cut.column)) merged_.push_back(cut);
   }
   for (const Wall& wall : parting_) {

@@ -24,8 +24,8 @@ class Jumps {
 public:
   /// Adds the walls of the row to its cuts; a step's cut beside a wall moves to it.
   void in_line(const PatchRow& row, const Sampling& sampling, std::vector<Cut>& cuts);
-  /// The same for the columns between `before` and `now`, whose samples are `pairs` from column `first` on. `next` follows `now`, or
-  /// is null.
+  /// The same for the columns between `before` and `now`, whose samples are `pairs` from column `first` on. `next` follows
+  /// `now`, or is null.
   void across(const PatchRow& before, const PatchRow& now, const PatchRow* next, std::int64_t first,
               const std::vector<ColumnPair>& pairs, double pitch, const Sampling& sampling, std::vector<Cut>& cuts);
   void restart() noexcept { above_.clear(); }

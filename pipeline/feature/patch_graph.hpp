@@ -30,12 +30,12 @@ struct PatchNode {
   std::int64_t last_row = 0;
   double s_low = 1e300, s_high = -1e300, c_low = 1e300, c_high = -1e300;
   bool doubtful = false;
-  bool closed = false;  ///< no further sample comes
-  bool settled = false; ///< published, with its form
-  FormKind form = FormKind::face; ///< of the form feature, already published, whose top, floor or flank it is
-  Border past_inside, past_outside;        ///< borders with patches that are forgotten: enclosed by this one, and others
-  std::vector<std::uint32_t> past;         ///< their ids, not more than kMostPast
-  std::vector<std::uint32_t> steps_to;     ///< patches with which it makes a step that is published
+  bool closed = false;                 ///< no further sample comes
+  bool settled = false;                ///< published, with its form
+  FormKind form = FormKind::face;      ///< of the form feature, already published, whose top, floor or flank it is
+  Border past_inside, past_outside;    ///< borders with patches that are forgotten: enclosed by this one, and others
+  std::vector<std::uint32_t> past;     ///< their ids, not more than kMostPast
+  std::vector<std::uint32_t> steps_to; ///< patches with which it makes a step that is published
   static constexpr std::size_t kMostPast = 1024;
 
   [[nodiscard]] bool encloses(const PatchNode& other) const noexcept {

@@ -121,8 +121,7 @@ bool PatchGrower::hold_borders(const PatchRow& row, const Sampling& sampling) {
       rest.cut.s = s;
       rest.cut.backed = false;
       rest.drift = border.drift;
-      for (const auto& [own, other] :
-           {std::pair{contact->patch, next->patch}, std::pair{next->patch, contact->patch}}) {
+      for (const auto& [own, other] : {std::pair{contact->patch, next->patch}, std::pair{next->patch, contact->patch}}) {
         graph_.node(own).borders[other].contact += sampling.spacing;
         graph_.node(own).doubtful = true;
       }

@@ -12,7 +12,8 @@
 
 namespace scansion {
 
-/// Lines wait here until the cuts around them are known; patches that are done wait until what lies around them is. Thread-bound.
+/// Lines wait here until the cuts around them are known; patches that are done wait until what lies around them is.
+/// Thread-bound.
 class PatchGrower {
 public:
   PatchGrower(const Frame& frame, const Vector3& origin) : frame_(frame), origin_(origin) {}

@@ -38,10 +38,8 @@ Role role_of(const PatchLook& look, const Sampling& sampling) {
   const double sag = std::max(kSag * look.width, 2.0 * sampling.noise);
   if (shut || ends) {
     // A cone without its tip, bordered by its foot, is a flank of what it encloses.
-    if (o.high >= kMost * o.cut())
-      return o.sag <= sag ? Role::top : slopes(look) ? Role::flank : Role::trough;
-    if (o.low >= kMost * o.cut())
-      return o.sag >= -sag ? Role::floor : slopes(look) ? Role::flank : Role::bulge;
+    if (o.high >= kMost * o.cut()) return o.sag <= sag ? Role::top : slopes(look) ? Role::flank : Role::trough;
+    if (o.low >= kMost * o.cut()) return o.sag >= -sag ? Role::floor : slopes(look) ? Role::flank : Role::bulge;
   }
   return slopes(look) ? Role::flank : Role::face;
 }
@@ -126,7 +124,8 @@ PatchLook look_at(const PatchGraph& graph, std::uint32_t id, const Sampling& sam
   }
   look.width = std::max(look.width, sampling.coarse());
   look.role = role_of(look, sampling);
-  if ((look.role == Role::top || look.role == Role::floor) && look.is_long() && is_strip(graph, id, look)) look.role = Role::strip;
+  if ((look.role == Role::top || look.role == Role::floor) && look.is_long() && is_strip(graph, id, look))
+    look.role = Role::strip;
   return look;
 }
 

@@ -25,7 +25,7 @@ struct Outline {
   double low = 0.0;
   double open = 0.0; ///< the end of the data
   double backed = 0.0;
-  double sag = 0.0; ///< height of the rim above the patch's plane
+  double sag = 0.0;                               ///< height of the rim above the patch's plane
   double enclosed_high = 0.0, enclosed_low = 0.0; ///< borders with patches that it encloses
   double drop = 0.0;                              ///< from where it is high to where it is low
 

@@ -55,9 +55,9 @@ struct Mean {
       &Score::position_mean,    &Score::position_95, &Score::longest,         &Score::fragments};
 };
 
-const std::vector<std::string> kColumns{"scans", "F1",      "strict", "precision", "recall", "polarity", "pos",
-                                        "pos95", "longest", "pieces", "rand",      "forms", "false forms", "false mm",
-                                        "0-20", "20-40", "40-60",   "60-80",  "80-90",     "ns/pt"};
+const std::vector<std::string> kColumns{"scans", "F1",      "strict", "precision", "recall", "polarity",    "pos",
+                                        "pos95", "longest", "pieces", "rand",      "forms",  "false forms", "false mm",
+                                        "0-20",  "20-40",   "40-60",  "60-80",     "80-90",  "ns/pt"};
 
 std::vector<Cell> row_of(const std::string& name, const Mean& m) {
   std::vector<Cell> cells{name};
@@ -153,7 +153,7 @@ double share(std::uint32_t part, std::uint32_t whole) noexcept {
 
 void print_forms(const Sweep& sweep, Report& report) {
   Table table("Form features against the truth", {"kind", "there", "named", "share", "said", "right", "share right"},
-              "Named: with its kind and on its place; right: of those said to be there, each true one once.");
+              "Named: with its kind and on its largest patch; right: of those said to be there; in pieces: right / named.");
   const auto add = [&](const std::string& kind, const score::FormCount& count) {
     if (count.there + count.said == 0) return;
     table.add({kind, std::to_string(count.there), std::to_string(count.named), Figure{share(count.named, count.there), 3},

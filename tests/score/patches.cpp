@@ -67,8 +67,8 @@ bool is_own(const Truth& truth, const TrueForm& form, std::uint32_t patch) {
   return holds(form.patches, patch) && (form.kind == FormKind::step || truth.patches[patch].kind == form.kind);
 }
 
-/// Is it such a form, there? Of a step both levels must be; of any other form a patch that lies mostly on a true patch of its own
-/// kind.
+/// Is it such a form, there? Of a step both levels must be; of any other form a patch that lies mostly on a true patch of its
+/// own kind.
 bool is_right(const Truth& truth, const TrueForm& form, const Form& said, const Cover& cover) {
   if (said.kind != form.kind) return false;
   std::set<std::uint32_t> places;

@@ -23,8 +23,8 @@ struct Found {
   std::vector<Form> forms;
 };
 
-/// Form features of one kind: how many there are, how many of these were named, how many were said to be there, how many of those
-/// rightly so. A form said in pieces is right in each of them: right / named tells how many.
+/// Form features of one kind: how many there are, how many of these were named, how many were said to be there, how many of
+/// those rightly so. A form said in pieces is right in each of them: right / named tells how many.
 struct FormCount {
   std::uint32_t there = 0, named = 0, said = 0, right = 0;
 };

@@ -175,7 +175,7 @@ TEST(Score, PatchesAndForms) {
   EXPECT_EQ(score.forms[static_cast<std::size_t>(FormKind::pocket)].right, 0U);
 }
 
-TEST(Score, AFormSaidTwiceIsRightOnce) {
+TEST(Score, AFormSaidInPiecesIsNamedOnce) {
   Truth truth = two_creases();
   truth.patches = {{FormKind::face, 6}, {FormKind::slot, 4}};
   truth.forms = {{FormKind::slot, 0, {1}}};
@@ -185,7 +185,9 @@ TEST(Score, AFormSaidTwiceIsRightOnce) {
   found.forms = {{FormKind::slot, {4}, 1.0}, {FormKind::slot, {4}, 1.0}};
   const FormCount all = sum_of(judge(truth, found).forms);
   EXPECT_EQ(all.said, 2U);
-  EXPECT_EQ(all.right, 1U);
+  EXPECT_EQ(all.right, 2U);
+  EXPECT_EQ(all.there, 1U);
+  EXPECT_EQ(all.named, 1U);
 }
 
 TEST(Score, AStepNeedsBothItsLevels) {
