@@ -224,7 +224,7 @@ Result<void> GroupDecoder::begin(ByteView lines_payload, DecodedGroup& out) {
   const std::size_t directions = std::min<std::size_t>(header.points, kMaxDirections);
   const std::size_t limit =
       128 + header.line_count * kMaxLineBytes + header.points * kMaxRunBytes + directions * kMaxDirectionBytes;
-  ByteReader from(lines_payload.subspan(kPayloadHeaderSize, header.body_size));
+  ByteReader from(lines_payload.subspan(header_size(header), header.body_size));
   SCANSION_TRY(s.planes.get_blob(from, limit, s.table));
   if (!from.at_end()) return fail(Errc::damaged, "bytes follow the line table");
   SCANSION_TRY(read_line_table(s.table, header, out.group, s.facts));
@@ -251,7 +251,7 @@ Result<void> GroupDecoder::add(ByteView level_payload, DecodedGroup& out) {
       header.first_line != s.lines.first_line || header.line_count != s.lines.line_count || header.epoch != s.lines.epoch ||
       header.points > s.lines.points)
     return fail(Errc::damaged, "a level belongs to another group");
-  ByteReader from(level_payload.subspan(kPayloadHeaderSize, header.body_size));
+  ByteReader from(level_payload.subspan(header_size(header), header.body_size));
   SCANSION_TRY(rest ? s.read_rest(from, header, out) : s.read_level(from, header, out.group));
   SCANSION_TRY(s.publish(from, header, out));
   if (!from.at_end()) return fail(Errc::damaged, "bytes follow a level");

@@ -41,6 +41,7 @@ struct GroupEncoder::Impl {
   AxisScales& scales = facts.scales;
   FanFinder fans;
   Bytes table;
+  Bytes body; ///< of the payload at hand
   std::array<std::vector<PointIndex>, kMaxLevels> level_points;
   std::vector<std::uint32_t> vertices;           ///< of one run, scratch
   std::array<double, kMaxLevels + 1> farthest{}; // per alpha-width: the largest finite D
@@ -345,31 +346,31 @@ void GroupEncoder::encode(const LineGroup& group, const GroupRanks& ranks, const
                        .first_line = out.first_line,
                        .first_time_ns = out.first_time_ns,
                        .last_time_ns = out.last_time_ns};
-  for (Bytes& payload : out.payloads) payload.assign(kPayloadHeaderSize, std::byte{});
 
   s.load(group);
   s.table.clear();
   write_line_table(group, s.facts, s.table);
-  s.planes.put_blob(out.payloads[0], s.table);
+  s.body.clear();
+  s.planes.put_blob(s.body, s.table);
   header.left_out = *std::ranges::max_element(s.farthest);
   header.points = static_cast<std::uint32_t>(points);
-  seal_payload(header, out.payloads[0]);
+  seal_payload(header, s.body, out.payloads[0]);
 
   std::size_t known = 0;
   for (std::uint8_t k = 0; k <= levels; ++k) {
-    Bytes& payload = out.payloads[k + 1U];
     const bool rest = k == levels;
+    s.body.clear();
     if (rest)
-      s.write_rest(group, payload);
+      s.write_rest(group, s.body);
     else
-      s.write_level(group, k, payload);
-    s.write_leftovers(group, rest, k == 0, payload);
+      s.write_level(group, k, s.body);
+    s.write_leftovers(group, rest, k == 0, s.body);
     header.kind = rest ? PayloadKind::rest : PayloadKind::level;
     header.level = k;
     header.points = static_cast<std::uint32_t>((rest ? points : s.state.vertices.size()) - known);
     header.tolerance = rest ? 0.0 : alpha.tolerances[k];
     header.left_out = rest ? 0.0 : *std::max_element(s.farthest.begin() + k + 1, s.farthest.end());
-    seal_payload(header, payload);
+    seal_payload(header, s.body, out.payloads[k + 1U]);
     known += header.points;
     s.state.end_level();
   }

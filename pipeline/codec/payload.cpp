@@ -4,9 +4,11 @@
 
 #include "pipeline/codec/crc32c.hpp"
 #include "pipeline/codec/endian.hpp"
+#include "pipeline/codec/varint.hpp"
 #include "pipeline/model/alpha_set.hpp"
 #include "pipeline/model/scan_line.hpp"
 
+#include <bit>
 #include <cassert>
 #include <cmath>
 #include <cstring>
@@ -14,105 +16,131 @@
 namespace scansion {
 namespace {
 
-// Byte offsets; docs/FORMAT.md has the same table.
+// Where the bytes stand that do not move; docs/FORMAT.md has the same table.
 enum Offset : std::size_t {
-  kMark = 0,
   kVersion = 8,
-  kKind = 9,
-  kLevel = 10,
-  kLevels = 11,
-  kStream = 12,
-  kGroup = 16,
-  kLineCount = 20,
-  kEpoch = 22,
-  kFirstLine = 24,
-  kFirstTime = 32,
-  kLastTime = 40,
-  kTolerance = 48,
-  kLeftOut = 56,
-  kPoints = 64,
-  kBodySize = 68,
-  kChecksum = 72,
+  kChecksum = 9,
+  kChecked = 13, ///< the checksum covers what stands before it and from here on
+  kLevels = 13,
+  kPlace = 14, ///< 0 the line table, k + 1 level k, levels + 1 the rest
+  kStream = 15,
+  kNumbers = 19,
 };
-static_assert(kChecksum + 4 == kPayloadHeaderSize);
+
+bool has_tolerance(const PayloadHeader& h) noexcept {
+  return h.kind == PayloadKind::level;
+}
+bool has_left_out(const PayloadHeader& h) noexcept {
+  return h.kind != PayloadKind::rest;
+}
+
+std::size_t varint_size(std::uint64_t value) noexcept {
+  return (static_cast<std::size_t>(std::bit_width(value | 1U)) + 6) / 7;
+}
+std::uint64_t duration(const PayloadHeader& h) noexcept {
+  return zigzag(static_cast<std::int64_t>(h.last_time_ns - h.first_time_ns));
+}
 
 std::uint32_t checksum(ByteView payload) noexcept {
-  const std::uint32_t head = crc32c(0, payload.first(kChecksum));
-  return crc32c(head, payload.subspan(kPayloadHeaderSize));
+  return crc32c(crc32c(0, payload.first(kChecksum)), payload.subspan(kChecked));
+}
+
+// A number that its field cannot hold spoils the reader.
+template <class T>
+void take(ByteReader& from, T& to, bool& fits) noexcept {
+  const std::uint64_t value = from.varint();
+  to = static_cast<T>(value);
+  fits = fits && to == value;
+}
+
+double take_double(ByteReader& from) noexcept {
+  const ByteView raw = from.bytes(sizeof(double));
+  return raw.empty() ? 0.0 : std::bit_cast<double>(load_le<std::uint64_t>(raw.data()));
 }
 
 bool plausible(const PayloadHeader& h) noexcept {
-  const bool level_fits = h.kind == PayloadKind::lines   ? h.level == 0
-                          : h.kind == PayloadKind::level ? h.level < h.levels
-                                                         : h.level == h.levels;
-  return level_fits && h.levels >= 1 && h.levels <= kMaxLevels && h.line_count >= 1 && h.line_count <= kGroupLines &&
+  return h.levels >= 1 && h.levels <= kMaxLevels && h.line_count >= 1 && h.line_count <= kGroupLines &&
          h.points <= kMaxLinePoints && std::isfinite(h.tolerance) && h.tolerance >= 0 && std::isfinite(h.left_out) &&
          h.left_out >= 0;
 }
 
 } // namespace
 
-void seal_payload(PayloadHeader header, Bytes& payload) {
-  assert(payload.size() >= kPayloadHeaderSize);
-  std::byte* p = payload.data();
-  header.body_size = static_cast<std::uint32_t>(payload.size() - kPayloadHeaderSize);
-  std::memcpy(p + kMark, kPayloadMark.data(), kPayloadMark.size());
-  store_le(p + kVersion, kPayloadVersion);
-  store_le(p + kKind, static_cast<std::uint8_t>(header.kind));
-  store_le(p + kLevel, header.level);
-  store_le(p + kLevels, header.levels);
-  store_le(p + kStream, header.stream);
-  store_le(p + kGroup, header.group);
-  store_le(p + kLineCount, header.line_count);
-  store_le(p + kEpoch, header.epoch);
-  store_le(p + kFirstLine, header.first_line);
-  store_le(p + kFirstTime, header.first_time_ns);
-  store_le(p + kLastTime, header.last_time_ns);
-  store_le(p + kTolerance, std::bit_cast<std::uint64_t>(header.tolerance));
-  store_le(p + kLeftOut, std::bit_cast<std::uint64_t>(header.left_out));
-  store_le(p + kPoints, header.points);
-  store_le(p + kBodySize, header.body_size);
-  store_le(p + kChecksum, checksum(payload));
+std::size_t header_size(const PayloadHeader& h) noexcept {
+  std::size_t size = kNumbers + (has_tolerance(h) ? sizeof(double) : 0) + (has_left_out(h) ? sizeof(double) : 0);
+  for (const std::uint64_t value : {std::uint64_t{h.group}, std::uint64_t{h.line_count}, std::uint64_t{h.epoch}, h.first_line,
+                                    h.first_time_ns, duration(h), std::uint64_t{h.points}, std::uint64_t{h.body_size}})
+    size += varint_size(value);
+  return size;
+}
+
+void seal_payload(PayloadHeader h, ByteView body, Bytes& out) {
+  h.body_size = static_cast<std::uint32_t>(body.size());
+  const auto mark = std::as_bytes(std::span(kPayloadMark));
+  out.assign(mark.begin(), mark.end());
+  append_le(out, kPayloadVersion);
+  append_le(out, std::uint32_t{0}); // the checksum, below
+  append_le(out, h.levels);
+  append_le(out, static_cast<std::uint8_t>(h.kind == PayloadKind::lines ? 0 : h.level + 1));
+  append_le(out, h.stream);
+  put_varint(out, h.group);
+  put_varint(out, h.line_count);
+  put_varint(out, h.epoch);
+  put_varint(out, h.first_line);
+  put_varint(out, h.first_time_ns);
+  put_varint(out, duration(h));
+  if (has_tolerance(h)) append_le(out, std::bit_cast<std::uint64_t>(h.tolerance));
+  if (has_left_out(h)) append_le(out, std::bit_cast<std::uint64_t>(h.left_out));
+  put_varint(out, h.points);
+  put_varint(out, h.body_size);
+  assert(out.size() == header_size(h));
+  out.insert(out.end(), body.begin(), body.end());
+  store_le(out.data() + kChecksum, checksum(out));
 }
 
 Result<PayloadHeader> parse_payload_header(ByteView bytes) {
   return parse_payload_header(bytes, bytes.size());
 }
 
-Result<PayloadHeader> parse_payload_header(ByteView bytes, std::uint64_t available) {
-  if (bytes.size() < kPayloadHeaderSize || available < kPayloadHeaderSize)
-    return fail(Errc::damaged, "payload is shorter than its header");
-  const std::byte* p = bytes.data();
-  if (std::memcmp(p + kMark, kPayloadMark.data(), kPayloadMark.size()) != 0)
-    return fail(Errc::damaged, "payload mark is missing");
+Result<PayloadHeader> parse_payload_header(ByteView start, std::uint64_t available) {
+  if (start.size() < kNumbers) return fail(Errc::damaged, "payload is shorter than its header");
+  const std::byte* p = start.data();
+  if (std::memcmp(p, kPayloadMark.data(), kPayloadMark.size()) != 0) return fail(Errc::damaged, "payload mark is missing");
   const auto version = load_le<std::uint8_t>(p + kVersion);
   if (version != kPayloadVersion)
     return fail(Errc::damaged, "payload version ", std::to_string(version), " is not known to this program");
-  const auto kind = load_le<std::uint8_t>(p + kKind);
-  if (kind > static_cast<std::uint8_t>(PayloadKind::rest)) return fail(Errc::damaged, "payload kind is not known");
   PayloadHeader h;
-  h.kind = static_cast<PayloadKind>(kind);
-  h.level = load_le<std::uint8_t>(p + kLevel);
   h.levels = load_le<std::uint8_t>(p + kLevels);
+  const auto place = load_le<std::uint8_t>(p + kPlace);
+  if (place > h.levels + 1) return fail(Errc::damaged, "payload kind is not known");
+  h.kind = place == 0 ? PayloadKind::lines : place <= h.levels ? PayloadKind::level : PayloadKind::rest;
+  h.level = static_cast<std::uint8_t>(place == 0 ? 0 : place - 1);
   h.stream = load_le<std::uint32_t>(p + kStream);
-  h.group = load_le<std::uint32_t>(p + kGroup);
-  h.line_count = load_le<std::uint16_t>(p + kLineCount);
-  h.epoch = load_le<std::uint16_t>(p + kEpoch);
-  h.first_line = load_le<std::uint64_t>(p + kFirstLine);
-  h.first_time_ns = load_le<std::uint64_t>(p + kFirstTime);
-  h.last_time_ns = load_le<std::uint64_t>(p + kLastTime);
-  h.tolerance = std::bit_cast<double>(load_le<std::uint64_t>(p + kTolerance));
-  h.left_out = std::bit_cast<double>(load_le<std::uint64_t>(p + kLeftOut));
-  h.points = load_le<std::uint32_t>(p + kPoints);
-  h.body_size = load_le<std::uint32_t>(p + kBodySize);
-  if (!plausible(h)) return fail(Errc::damaged, "payload header holds impossible values");
-  if (h.body_size > available - kPayloadHeaderSize) return fail(Errc::damaged, "payload is cut short");
+  ByteReader from(start.subspan(kNumbers));
+  bool fits = true;
+  std::uint64_t time = 0;
+  take(from, h.group, fits);
+  take(from, h.line_count, fits);
+  take(from, h.epoch, fits);
+  take(from, h.first_line, fits);
+  take(from, h.first_time_ns, fits);
+  take(from, time, fits);
+  h.last_time_ns = h.first_time_ns + static_cast<std::uint64_t>(unzigzag(time));
+  if (has_tolerance(h)) h.tolerance = take_double(from);
+  if (has_left_out(h)) h.left_out = take_double(from);
+  take(from, h.points, fits);
+  take(from, h.body_size, fits);
+  if (!from.ok()) return fail(Errc::damaged, "payload is shorter than its header");
+  // Values have one form: a number with more bytes than it needs is none of ours.
+  if (!fits || !plausible(h) || start.size() - from.left() != header_size(h))
+    return fail(Errc::damaged, "payload header holds impossible values");
+  if (payload_size(h) > available) return fail(Errc::damaged, "payload is cut short");
   return h;
 }
 
 Result<PayloadHeader> check_payload(ByteView bytes) {
   SCANSION_TRY(header, parse_payload_header(bytes));
-  const ByteView payload = bytes.first(kPayloadHeaderSize + header.body_size);
+  const ByteView payload = bytes.first(payload_size(header));
   if (load_le<std::uint32_t>(payload.data() + kChecksum) != checksum(payload))
     return fail(Errc::damaged, "payload checksum is wrong");
   return header;

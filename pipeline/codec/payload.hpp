@@ -17,11 +17,13 @@ using ByteView = std::span<const std::byte>;
 
 inline constexpr std::array<std::uint8_t, 8> kPayloadMark{0x89, 'S', 'C', 'N', 'G', 'R', 'P', 0x0A};
 inline constexpr std::uint8_t kPayloadVersion = 1;
-inline constexpr std::size_t kPayloadHeaderSize = 76;
+/// Headers are between these many bytes long.
+inline constexpr std::size_t kShortestPayloadHeader = 27;
+inline constexpr std::size_t kLongestPayloadHeader = 84;
 
 enum class PayloadKind : std::uint8_t { lines = 0, level = 1, rest = 2 };
 
-/// Little endian, 76 bytes; offsets in docs/FORMAT.md.
+/// Its bytes are in docs/FORMAT.md; how many they are follows from the values.
 struct PayloadHeader {
   PayloadKind kind = PayloadKind::lines;
   std::uint8_t level = 0;  ///< 0 for lines; k for lod<k>; n for rest
@@ -42,15 +44,20 @@ struct PayloadHeader {
   friend bool operator==(const PayloadHeader&, const PayloadHeader&) = default;
 };
 
-/// Writes the header in front of `payload`, which holds kPayloadHeaderSize unused bytes and then the body; sets body_size and
-/// the checksum (CRC-32C over header and body with the checksum field left out).
-void seal_payload(PayloadHeader header, Bytes& payload);
+/// How many bytes the header takes, and the payload with it.
+[[nodiscard]] std::size_t header_size(const PayloadHeader& header) noexcept;
+[[nodiscard]] inline std::size_t payload_size(const PayloadHeader& header) noexcept {
+  return header_size(header) + header.body_size;
+}
+
+/// out := header and body; sets body_size and the checksum (CRC-32C over all bytes but its own).
+void seal_payload(PayloadHeader header, ByteView body, Bytes& out);
 
 /// Reads a header from the start of `bytes` without looking at the body. Fails with damaged when mark, version or a field is
 /// impossible or the body would reach beyond `bytes`.
 [[nodiscard]] Result<PayloadHeader> parse_payload_header(ByteView bytes);
-/// The same where only the header is at hand: `available` is how many bytes, header included, the payload may have.
-[[nodiscard]] Result<PayloadHeader> parse_payload_header(ByteView header, std::uint64_t available);
+/// The same where only the start is at hand: `available` is how many bytes, header included, the payload may have.
+[[nodiscard]] Result<PayloadHeader> parse_payload_header(ByteView start, std::uint64_t available);
 
 /// parse_payload_header and the checksum over exactly header + body. `bytes` may be longer than the payload.
 [[nodiscard]] Result<PayloadHeader> check_payload(ByteView bytes);

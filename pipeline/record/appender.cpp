@@ -78,7 +78,7 @@ Result<PayloadHeader> Appender::check(std::span<const ByteView> payloads) const 
     if (!header) return wrong(header.error().context);
     if (i == 0) lines = header.value();
     if (!belongs(header.value(), i, lines, facts_)) return wrong("a payload is not the next one of this stream and group");
-    if (kPayloadHeaderSize + header.value().body_size != payloads[i].size()) return wrong("bytes follow a payload");
+    if (payload_size(header.value()) != payloads[i].size()) return wrong("bytes follow a payload");
     size += mcap::kMessageHead + payloads[i].size();
   }
   if (size > kMaxChunk) return wrong("it is longer than 192 MiB; close groups earlier");
@@ -93,7 +93,7 @@ Result<void> Appender::append_group(std::span<const ByteView> payloads, std::uin
     return fail(Errc::usage, file_.path(), ": a group cannot be written: its line table counts other points than the caller");
   block_.build_group(lines.group, lines.first_time_ns, payloads);
   pieces_ = block_.pieces();
-  const bool with_copy = state_.totals.groups % kFactsEvery == 0;
+  const bool with_copy = facts_due(state_.totals.groups + 1);
   if (with_copy) pieces_.emplace_back(copy_);
   SCANSION_TRY(write(pieces_));
 

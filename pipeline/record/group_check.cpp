@@ -20,7 +20,7 @@ Result<PayloadHeader> check_group(std::span<const ByteView> payloads, const Reco
     SCANSION_TRY(header, check_payload(payloads[i]));
     if (i == 0) lines = header;
     if (!belongs(header, i, lines, facts)) return fail(Errc::damaged, "payloads are not those of one group of this recording");
-    if (kPayloadHeaderSize + header.body_size != payloads[i].size()) return fail(Errc::damaged, "bytes follow a payload");
+    if (payload_size(header) != payloads[i].size()) return fail(Errc::damaged, "bytes follow a payload");
   }
   return lines;
 }

@@ -74,7 +74,7 @@ Result<void> Indexer::places_from_indexes(const Framed& framed, GroupEntry& entr
   entry.payloads.clear();
   for (std::size_t i = 0; i + 1 < offsets.size(); ++i) {
     const bool fits = (i > 0 || offsets[i] == 0) && offsets[i + 1] <= records && offsets[i] <= offsets[i + 1] &&
-                      offsets[i + 1] - offsets[i] >= mcap::kMessageHead + kPayloadHeaderSize;
+                      offsets[i + 1] - offsets[i] >= mcap::kMessageHead + kShortestPayloadHeader;
     if (!fits) return fail(Errc::damaged, "message indexes are broken");
     entry.payloads.push_back({framed.offset + mcap::kChunkHead + offsets[i] + mcap::kMessageHead,
                               static_cast<std::uint32_t>(offsets[i + 1] - offsets[i] - mcap::kMessageHead)});
@@ -92,7 +92,7 @@ Result<void> Indexer::places_from_messages(const Framed& framed, GroupEntry& ent
     const mcap::RecordHead head = mcap::record_head(bytes);
     const std::uint64_t left = chunk_end - at;
     if (!mcap::is(head, mcap::Opcode::message) || left < mcap::kMessageHead || head.length > left - mcap::kRecordHead ||
-        head.length < mcap::kMessageHead - mcap::kRecordHead + kPayloadHeaderSize)
+        head.length < mcap::kMessageHead - mcap::kRecordHead + kShortestPayloadHeader)
       return fail(Errc::damaged, "the framing of a chunk is broken");
     const std::uint64_t size = mcap::kRecordHead + head.length - mcap::kMessageHead;
     entry.payloads.push_back({at + mcap::kMessageHead, static_cast<std::uint32_t>(size)});

@@ -20,8 +20,8 @@ constexpr std::size_t kCrcInChunk = 33;
 enum SchemaId : std::uint16_t { kLinesSchema = 1, kLevelSchema = 2, kGapSchema = 3, kFeaturesSchema = 4, kPatchesSchema = 5 };
 
 constexpr std::string_view kGapJsonSchema =
-    R"({"title":"scansion.Gap","type":"object","properties":{"first":{"type":"integer","minimum":0},)"
-    R"("count":{"type":["integer","null"],"minimum":1},"reason":{"type":"string"}},"required":["first","count","reason"]})";
+    R"({"type":"object","properties":{"first":{"type":"integer"},"count":{"type":["integer","null"]},)"
+    R"("reason":{"type":"string"}}})";
 
 constexpr std::string_view kFeaturesJsonSchema =
     R"({"title":"scansion.Features","type":"object","properties":{"group":{"type":"integer","minimum":0},)"
@@ -77,8 +77,8 @@ void message_index(Builder& b, std::uint16_t channel_id, std::uint64_t time, std
 Bytes schema_records(const RecordingFacts& facts) {
   Bytes bytes;
   Builder b(bytes);
-  schema(b, kLinesSchema, "scansion.Lines", "scansion", "Line table of a group of scan lines; see docs/FORMAT.md of Scansion.");
-  schema(b, kLevelSchema, "scansion.Level", "scansion", "Points of one level of detail; see docs/FORMAT.md of Scansion.");
+  schema(b, kLinesSchema, "scansion.Lines", "scansion", "See Scansion, docs/FORMAT.md.");
+  schema(b, kLevelSchema, "scansion.Level", "scansion", "See Scansion, docs/FORMAT.md.");
   schema(b, kGapSchema, "scansion.Gap", "jsonschema", kGapJsonSchema);
   if (facts.features) {
     schema(b, kFeaturesSchema, "scansion.Features", "jsonschema", kFeaturesJsonSchema);

@@ -14,8 +14,13 @@ inline constexpr std::uint64_t kMaxChunk = 192U << 20U;
 inline constexpr std::uint64_t kMaxGapText = 64U << 10U;
 /// The longest text of a message with feature lines or patches.
 inline constexpr std::uint64_t kMaxNoteText = 32U << 20U;
-/// The facts are repeated behind the first group and behind every so many more, so that they outlive a broken head.
-inline constexpr std::uint64_t kFactsEvery = 256;
+/// The facts are repeated in the file, so that they outlive a broken head: soon, when a copy weighs little beside the groups,
+/// and then again and again.
+[[nodiscard]] constexpr bool facts_due(std::uint64_t groups) noexcept {
+  constexpr std::uint64_t kSoon = 16;
+  constexpr std::uint64_t kEvery = 256;
+  return groups == kSoon || (groups != 0 && groups % kEvery == 0);
+}
 
 [[nodiscard]] inline std::uint32_t payloads_per_group(const RecordingFacts& f) noexcept {
   return f.stored_levels + 1;

@@ -101,6 +101,12 @@ public:
     if (error != std::errc{} || end != value.data() + value.size()) reject(key);
     return result;
   }
+  /// Whether the entry is there; then it says yes.
+  [[nodiscard]] bool yes(std::string_view key) {
+    const auto value = find(key);
+    if (value && *value != "yes") reject(key);
+    return value.has_value();
+  }
   void reject(std::string_view key) {
     if (rejected_.empty()) rejected_ = key;
   }
@@ -127,7 +133,7 @@ void parse_resolution(Values& values, Rational& out) {
 }
 
 void parse_origin(Values& values, std::array<std::int64_t, 3>& out) {
-  std::string_view text = values.text("origin");
+  std::string_view text = *values.find("origin");
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::size_t space = axis < 2 ? text.find(' ') : text.size();
     if (space == std::string_view::npos) return values.reject("origin");
@@ -138,24 +144,20 @@ void parse_origin(Values& values, std::array<std::int64_t, 3>& out) {
 
 void parse_lattice(Values& values, Lattice& out) {
   parse_resolution(values, out.resolution);
-  parse_origin(values, out.origin);
+  if (values.find("origin")) parse_origin(values, out.origin);
   const auto unit = parse_unit(values.text("unit"));
   if (unit)
     out.unit = unit.value();
   else
     values.reject("unit");
-  const std::string_view source = values.text("source");
+  const std::string_view source = values.find("source").value_or("decimal");
   if (source == "float32")
     out.source = Source::float32;
   else if (source == "float64")
     out.source = Source::float64;
   else if (source != "decimal")
     values.reject("source");
-  const std::string_view exact = values.text("exact");
-  if (exact == "yes")
-    out.exact = true;
-  else if (exact != "no")
-    values.reject("exact");
+  out.exact = values.yes("exact");
 }
 
 bool device_name_fits(std::string_view device) noexcept {
@@ -178,13 +180,14 @@ Bytes facts_record(const RecordingFacts& f) {
             {"stream", number(f.stream)},
             {"unit", std::string(name(f.lattice.unit))},
             {"resolution", number(f.lattice.resolution.num) + "/" + number(f.lattice.resolution.den)},
-            {"origin", number(o[0]) + " " + number(o[1]) + " " + number(o[2])},
-            {"source", std::string(name_of(f.lattice.source))},
-            {"exact", f.lattice.exact ? "yes" : "no"},
             {"levels", to_string(f.levels)},
-            {"level_count", number(f.level_count)},
-            {"stored_levels", number(f.stored_levels)},
-            {"rounding_mm", number(f.rounding_mm)}};
+            {"level_count", number(f.level_count)}};
+  // What most recordings have is left out.
+  if (o != std::array<std::int64_t, 3>{}) e.emplace_back("origin", number(o[0]) + " " + number(o[1]) + " " + number(o[2]));
+  if (f.lattice.source != Source::decimal) e.emplace_back("source", name_of(f.lattice.source));
+  if (f.lattice.exact) e.emplace_back("exact", "yes");
+  if (f.stored_levels != f.level_count + 1) e.emplace_back("stored_levels", number(f.stored_levels));
+  if (f.rounding_mm != 0.0) e.emplace_back("rounding_mm", number(f.rounding_mm));
   if (f.gap_mm) e.emplace_back("gap_mm", number(*f.gap_mm));
   if (f.started_ns) e.emplace_back("started_ns", number(*f.started_ns));
   if (f.features) e.emplace_back("features", "yes");
@@ -192,13 +195,11 @@ Bytes facts_record(const RecordingFacts& f) {
 }
 
 Bytes end_record(const RecordingEnd& end) {
-  Entries e{{"lines", number(end.lines)},
-            {"points", number(end.points)},
-            {"runs", number(end.runs)},
-            {"invalid", number(end.invalid)},
-            {"gaps", number(end.gaps)},
-            {"groups", number(end.groups)},
-            {"rounding_mm", number(end.rounding_mm)}};
+  Entries e{
+      {"lines", number(end.lines)}, {"points", number(end.points)}, {"runs", number(end.runs)}, {"groups", number(end.groups)}};
+  if (end.invalid != 0) e.emplace_back("invalid", number(end.invalid));
+  if (end.gaps != 0) e.emplace_back("gaps", number(end.gaps));
+  if (end.rounding_mm != 0.0) e.emplace_back("rounding_mm", number(end.rounding_mm));
   if (end.ended_ns) e.emplace_back("ended_ns", number(*end.ended_ns));
   return record(kEndName, std::move(e));
 }
@@ -221,17 +222,14 @@ Result<RecordingFacts> parse_facts(ByteView content) {
     values.reject("levels");
   f.level_count = values.number<std::uint32_t>("level_count");
   if (f.level_count < 1 || f.level_count > kMaxLevels) values.reject("level_count");
-  f.stored_levels = values.number<std::uint32_t>("stored_levels");
+  f.stored_levels = values.optional_number<std::uint32_t>("stored_levels").value_or(f.level_count + 1);
   if (f.stored_levels < 1 || f.stored_levels > f.level_count + 1) values.reject("stored_levels");
-  f.rounding_mm = values.number<double>("rounding_mm");
+  f.rounding_mm = values.optional_number<double>("rounding_mm").value_or(0.0);
   if (!not_negative(f.rounding_mm)) values.reject("rounding_mm");
   f.gap_mm = values.optional_number<double>("gap_mm");
   if (f.gap_mm && !not_negative(*f.gap_mm)) values.reject("gap_mm");
   f.started_ns = values.optional_number<std::int64_t>("started_ns");
-  if (const auto features = values.find("features")) {
-    f.features = *features == "yes";
-    if (!f.features) values.reject("features");
-  }
+  f.features = values.yes("features");
   SCANSION_TRY(values.all_read());
   return f;
 }
@@ -242,10 +240,10 @@ Result<RecordingEnd> parse_end(ByteView content) {
   end.lines = values.number<std::uint64_t>("lines");
   end.points = values.number<std::uint64_t>("points");
   end.runs = values.number<std::uint64_t>("runs");
-  end.invalid = values.number<std::uint64_t>("invalid");
-  end.gaps = values.number<std::uint64_t>("gaps");
+  end.invalid = values.optional_number<std::uint64_t>("invalid").value_or(0);
+  end.gaps = values.optional_number<std::uint64_t>("gaps").value_or(0);
   end.groups = values.number<std::uint64_t>("groups");
-  end.rounding_mm = values.number<double>("rounding_mm");
+  end.rounding_mm = values.optional_number<double>("rounding_mm").value_or(0.0);
   if (!not_negative(end.rounding_mm)) values.reject("rounding_mm");
   end.ended_ns = values.optional_number<std::int64_t>("ended_ns");
   SCANSION_TRY(values.all_read());

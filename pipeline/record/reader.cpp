@@ -69,7 +69,8 @@ Result<PayloadHeader> RecordingReader::read_header(std::size_t i, std::size_t pa
   if (i >= impl_->groups.size() || payload >= impl_->groups[i].payloads.size())
     return fail(Errc::usage, impl_->file.path(), ": there is no such group or payload");
   const GroupEntry::Place place = impl_->groups[i].payloads[payload];
-  std::array<std::byte, kPayloadHeaderSize> bytes{};
+  std::array<std::byte, kLongestPayloadHeader> room{};
+  const auto bytes = std::span(room).first(std::min<std::size_t>(room.size(), place.size));
   SCANSION_TRY(impl_->file.read_at(place.offset, bytes));
   auto header = parse_payload_header(bytes, place.size);
   if (!header)

@@ -63,10 +63,10 @@ Result<Salvaged> salvage_groups(Window& window, const RecordingFacts& facts, std
     SCANSION_TRY(hit, finder.find(at, to));
     if (!hit) break;
     at = hit->offset + 1;
-    SCANSION_TRY(head, window.view(hit->offset, std::min<std::uint64_t>(kPayloadHeaderSize, to - hit->offset)));
+    SCANSION_TRY(head, window.view(hit->offset, std::min<std::uint64_t>(kLongestPayloadHeader, to - hit->offset)));
     const auto header = parse_payload_header(head, to - hit->offset);
     if (!header || !assembler.wants(header.value()) || header.value().body_size > kMaxChunk) continue;
-    const std::uint64_t size = kPayloadHeaderSize + header.value().body_size;
+    const std::uint64_t size = payload_size(header.value());
     SCANSION_TRY(budget.spend(size, window.file()));
     SCANSION_TRY(payload, window.view(hit->offset, size));
     if (!check_payload(payload)) continue;

@@ -38,22 +38,17 @@ public:
     summary_start_ = flushed_;
     const RecordingFacts& facts = *tail_.facts;
     append(schema_records(facts));
-    close_section(Opcode::schema);
     append(channel_records(facts));
-    close_section(Opcode::channel);
     statistics();
-    close_section(Opcode::statistics);
     for (const ChunkEntry& entry : *tail_.chunks) {
       chunk_index(entry);
       if (buffer_.size() >= kFlushAt) {
         SCANSION_TRY(flush());
       }
     }
-    close_section(Opcode::chunk_index);
     const std::uint64_t copy_size = facts_record(facts).size();
     for (const std::uint64_t copy : *tail_.copies) metadata_index(copy, copy_size, kFactsName);
     metadata_index(tail_.offset, end_record_.size(), kEndName);
-    close_section(Opcode::metadata_index);
     return footer();
   }
 
@@ -67,11 +62,6 @@ private:
     flushed_ += buffer_.size();
     buffer_.clear();
     return success();
-  }
-
-  void close_section(Opcode opcode) {
-    const std::uint64_t begin = sections_.empty() ? summary_start_ : sections_.back().end;
-    sections_.push_back({opcode, begin, here()});
   }
 
   void statistics() {
@@ -143,28 +133,16 @@ private:
   }
 
   Result<void> footer() {
-    const std::uint64_t offsets_start = here();
     Builder b(buffer_);
-    for (const Section& s : sections_) {
-      if (s.begin == s.end) continue;
-      b.begin_sized(Opcode::summary_offset, 17);
-      b.u8(static_cast<std::uint8_t>(s.opcode));
-      b.u64(s.begin);
-      b.u64(s.end - s.begin);
-    }
     b.begin_sized(Opcode::footer, kFooterFields);
     b.u64(summary_start_);
-    b.u64(offsets_start);
+    b.u64(0); // no SummaryOffsets: the summary is short, and readers take it whole
     SCANSION_TRY(flush());
     b.u32(crc_);
     b.raw(mcap::kMagic);
     return flush();
   }
 
-  struct Section {
-    Opcode opcode;
-    std::uint64_t begin, end;
-  };
   const TailFacts& tail_;
   const ByteSink& sink_;
   std::uint64_t flushed_;
@@ -172,7 +150,6 @@ private:
   std::uint32_t crc_ = 0;
   Bytes end_record_;
   Bytes buffer_;
-  std::vector<Section> sections_;
 };
 
 struct FooterFields {

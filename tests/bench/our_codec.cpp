@@ -79,7 +79,7 @@ Result<OurSize> our_size(const LineSet& set, const OurCodec& codec, const LevelS
       size.bytes[k] += encoded.payloads[k].size();
       size.points[k] += k == 0 ? 0 : header.points;
       size.payloads += encoded.payloads[k].size();
-      size.headers += kPayloadHeaderSize;
+      size.headers += header_size(header);
     }
   }
   SCANSION_TRY(writer.finish(std::nullopt, 0.0));

@@ -25,10 +25,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     Bytes payload(bytes, bytes + length);
     data += 2 + length;
     size -= 2 + length;
-    if (payload.size() < kPayloadHeaderSize) continue;
     auto header = parse_payload_header(payload);
     if (!header || header.value().points > kPoints) continue;
-    seal_payload(header.value(), payload);
+    const Bytes body(payload.begin() + static_cast<std::ptrdiff_t>(header_size(header.value())), payload.end());
+    seal_payload(header.value(), body, payload);
     if (header.value().kind == PayloadKind::lines)
       begun = decoder.begin(payload, group).has_value();
     else if (begun)

@@ -16,13 +16,13 @@ namespace {
 using Span = std::span<std::byte>;
 
 void reseal_payloads(Span file) {
-  for (std::size_t at = 0; at + kPayloadHeaderSize <= file.size(); ++at) {
-    std::byte* p = file.data() + at;
-    if (std::memcmp(p, kPayloadMark.data(), kPayloadMark.size()) != 0) continue;
-    const std::uint64_t size = kPayloadHeaderSize + std::uint64_t{load_le<std::uint32_t>(p + 68)};
-    if (size > file.size() - at) continue;
-    const std::uint32_t head = crc32c(0, file.subspan(at, 72));
-    store_le(p + 72, crc32c(head, file.subspan(at + kPayloadHeaderSize, size - kPayloadHeaderSize)));
+  constexpr std::size_t kChecksum = 9; // in a payload
+  for (std::size_t at = 0; at + kShortestPayloadHeader <= file.size(); ++at) {
+    const auto header = parse_payload_header(file.subspan(at));
+    if (!header) continue;
+    const Span payload = file.subspan(at, payload_size(header.value()));
+    const std::uint32_t head = crc32c(0, payload.first(kChecksum));
+    store_le(payload.data() + kChecksum, crc32c(head, payload.subspan(kChecksum + 4)));
   }
 }
 

@@ -12,17 +12,16 @@ from dataclasses import dataclass, field
 
 MAGIC = b"\x89MCAP0\r\n"
 HEADER, FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, MESSAGE_INDEX, CHUNK_INDEX = range(1, 9)
-STATISTICS, METADATA, METADATA_INDEX, SUMMARY_OFFSET, DATA_END = range(11, 16)
+STATISTICS, METADATA, METADATA_INDEX, _, DATA_END = range(11, 16)
 CHUNK_LIMIT = 192 << 20
 SMALL_LIMIT = 64 << 10
-METADATA_STRIDE = 256  # groups between two copies of the metadata
+METADATA_SOON, METADATA_STRIDE = 16, 256  # copies of the metadata stand behind these many groups
 
 SCHEMAS = [  # name, encoding, data; ids from 1
-    ("scansion.Lines", "scansion", "Line table of a group of scan lines; see docs/FORMAT.md of Scansion."),
-    ("scansion.Level", "scansion", "Points of one level of detail; see docs/FORMAT.md of Scansion."),
+    ("scansion.Lines", "scansion", "See Scansion, docs/FORMAT.md."),
+    ("scansion.Level", "scansion", "See Scansion, docs/FORMAT.md."),
     ("scansion.Gap", "jsonschema",
-     '{"title":"scansion.Gap","type":"object","properties":{"first":{"type":"integer","minimum":0},'
-     '"count":{"type":["integer","null"],"minimum":1},"reason":{"type":"string"}},"required":["first","count","reason"]}'),
+     '{"type":"object","properties":{"first":{"type":"integer"},"count":{"type":["integer","null"]},"reason":{"type":"string"}}}'),
     ("scansion.Features", "jsonschema",
      '{"title":"scansion.Features","type":"object","properties":{"group":{"type":"integer","minimum":0},"lines":{"ty'
      'pe":"array","items":{"type":"object","properties":{"id":{"type":"integer"},"piece":{"type":"integer"},"type":{'
@@ -37,10 +36,12 @@ SCHEMAS = [  # name, encoding, data; ids from 1
      ',"patches","confidence"]}}},"required":["group"]}'),
 ]
 NOTE_LIMIT = 32 << 20
-FACTS = ("format device stream unit resolution origin source exact levels level_count stored_levels rounding_mm gap_mm "
+FACTS = ("format device stream unit resolution levels level_count origin source exact stored_levels rounding_mm gap_mm "
          "started_ns features").split()
-TOTALS = "lines points runs invalid gaps groups rounding_mm ended_ns".split()
-OPTIONAL = {"gap_mm", "started_ns", "ended_ns", "features"}
+TOTALS = "lines points runs groups invalid gaps rounding_mm ended_ns".split()
+# Entries that may be missing, and what they say then.
+OPTIONAL = {"origin": "0 0 0", "source": "decimal", "exact": None, "stored_levels": None, "rounding_mm": "0", "gap_mm": None,
+            "started_ns": None, "features": None, "invalid": "0", "gaps": "0", "ended_ns": None}
 
 
 class FormatError(Exception):
@@ -137,12 +138,15 @@ def parse_metadata(content, where, keys):
     need(values.pop("crc32c") == f"{crc:08x}", f"{where}: crc32c is wrong")
     wanted = [key for key in keys if key in values or key not in OPTIONAL]
     need(list(values) == wanted and "" not in values.values(), f"{where}: entries {list(values)}, want {wanted}")
+    idle = [key for key, value in values.items() if key in OPTIONAL and value == OPTIONAL[key]]
+    need(not idle, f"{where}: entries {idle} say nothing")
     return values
 
 
 def channels(facts):
     """[(id, topic, message encoding, schema id)] that follow from the metadata."""
-    count, stored = int(facts["level_count"]), int(facts["stored_levels"])
+    count = int(facts["level_count"])
+    stored = int(facts.get("stored_levels", count + 1))
     need(1 <= count <= 16 and 1 <= stored <= count + 1, f"{stored} of {count} + 1 levels are stored")
     names = ["lines"] + [f"lod{k}" for k in range(count)] + ["rest"]
     rows = [(i + 1, f"scan/{facts['device']}/{name}", "scansion", 2 if i else 1) for i, name in enumerate(names)]
@@ -254,7 +258,7 @@ class Checker:
         need(names == [name for name in self.names.values() if name not in texts], f"{where}: messages {names}")
         need(len(sequences) == 1, f"{where}: messages of the groups {sequences}")
         self.out.groups.append((sequences.pop(), messages[0][3], [message[4] for message in messages]))
-        self.metadata_due = (len(self.out.groups) - 1) % METADATA_STRIDE == 0
+        self.metadata_due = len(self.out.groups) == METADATA_SOON or len(self.out.groups) % METADATA_STRIDE == 0
 
     def data_section(self, at):
         """Gives the offset of the summary, or None when the recording is unfinished."""
@@ -300,17 +304,9 @@ class Checker:
         statistics = struct.pack("<QHIIIIQQ", sum(self.counts.values()), len(self.schemas), len(self.channels), 0,
                                  len(self.metadata), len(self.chunks), min(times), max(times))
         indexes = [record(METADATA_INDEX, struct.pack("<QQ", offset, size) + text(name)) for offset, size, name in self.metadata]
-        parts = [(SCHEMA, self.schemas), (CHANNEL, self.channels),
-                 (STATISTICS, [record(STATISTICS, statistics + struct.pack("<I", len(counts)) + counts)]),
-                 (CHUNK_INDEX, self.chunks), (METADATA_INDEX, indexes)]
-        built, offsets = b"", b""
-        for opcode, rows in parts:
-            if rows:
-                part = b"".join(rows)
-                offsets += record(SUMMARY_OFFSET, struct.pack("<BQQ", opcode, start + len(built), len(part)))
-                built += part
-        footer = struct.pack("<BQQQ", FOOTER, 20, start, start + len(built))
-        built += offsets + footer
+        statistics = record(STATISTICS, statistics + struct.pack("<I", len(counts)) + counts)
+        built = b"".join(self.schemas + self.channels + [statistics] + self.chunks + indexes)
+        built += struct.pack("<BQQQ", FOOTER, 20, start, 0)
         built += struct.pack("<I", zlib.crc32(built)) + MAGIC
         left = len(self.data) - start
         self.expect(start, built[:left], "the summary")

@@ -18,7 +18,7 @@ import zstandard
 from format_container import Fields, FormatError, crc32c, need, read_container
 
 MARK = b"\x89SCNGRP\n"
-HEADER = struct.Struct("<8sBBBBIIHHQQQddIII")
+HEADER = struct.Struct("<8sBIBBI")
 LINES, LEVEL, REST = 0, 1, 2
 UNKNOWN = 255
 
@@ -132,6 +132,12 @@ class Body(Fields):
                 return value
         raise FormatError(f"{self.where}: a varint has more than ten bytes")
 
+    def least_varint(self):
+        start = self.at
+        value = self.varint()
+        need(self.at - start == max(1, (value.bit_length() + 6) // 7), f"{self.where}: {value} takes too many bytes")
+        return value
+
     def signed(self):
         value = self.varint()
         return zigzag(value)
@@ -172,16 +178,24 @@ class Body(Fields):
 
 
 class Header:
-    """The 76 bytes before each body."""
+    """What stands before each body."""
 
     def __init__(self, payload, where):
         need(len(payload) >= HEADER.size, f"{where}: payload of {len(payload)} bytes")
-        (mark, version, self.kind, self.level, self.tolerances, self.stream, self.group, self.lines, self.epoch, self.first_line,
-         self.first_time, self.last_time, self.tolerance, self.left_out, self.points, size, crc) = HEADER.unpack_from(payload)
-        body = payload[HEADER.size:]
+        mark, version, crc, self.tolerances, place, self.stream = HEADER.unpack_from(payload)
         need(mark == MARK and version == 1, f"{where}: mark {mark}, version {version}")
+        need(crc == crc32c(payload[:9] + payload[13:]), f"{where}: CRC-32C is wrong")
+        need(place <= self.tolerances + 1, f"{where}: place {place}")
+        self.kind = LINES if place == 0 else LEVEL if place <= self.tolerances else REST
+        self.level = max(0, place - 1)
+        fields = Body(payload[HEADER.size:], where)
+        self.group, self.lines, self.epoch, self.first_line, self.first_time = (fields.least_varint() for _ in range(5))
+        self.last_time = (self.first_time + zigzag(fields.least_varint())) % (1 << 64)
+        self.tolerance = fields.number("d") if self.kind == LEVEL else 0.0
+        self.left_out = fields.number("d") if self.kind != REST else 0.0
+        self.points, size = fields.least_varint(), fields.least_varint()
+        body = fields.rest()
         need(size == len(body), f"{where}: body of {len(body)} bytes, header says {size}")
-        need(crc == crc32c(payload[:72] + body), f"{where}: CRC-32C is wrong")
         need(1 <= self.tolerances <= 16 and 1 <= self.lines <= 64, f"{where}: {self.tolerances} tolerances, {self.lines} lines")
         self.body = Body(body, where)
 
@@ -633,11 +647,13 @@ class Recording:
         numerator, denominator = map(int, facts["resolution"].split("/"))
         need(numerator > 0 and denominator > 0 and math.gcd(numerator, denominator) == 1, f"resolution {facts['resolution']}")
         self.resolution = Fraction(numerator, denominator)
-        self.origin = [int(count) for count in facts["origin"].split(" ")]
-        need(len(self.origin) == 3, f"origin {facts['origin']}")
-        self.form = {"decimal": None, "float32": "f", "float64": "d"}[facts["source"]]
-        need(facts["exact"] == "no" or facts["exact"] == "yes" and self.form, f"exact {facts['exact']} of {facts['source']}")
-        self.level_count, self.stored = int(facts["level_count"]), int(facts["stored_levels"])
+        self.origin = [int(count) for count in facts.get("origin", "0 0 0").split(" ")]
+        need(len(self.origin) == 3, f"origin {self.origin}")
+        self.form = {None: None, "float32": "f", "float64": "d"}[facts.get("source")]
+        self.exact = "exact" in facts
+        need(not self.exact or facts["exact"] == "yes" and self.form, f"exact {facts.get('exact')} of {facts.get('source')}")
+        self.level_count = int(facts["level_count"])
+        self.stored = int(facts.get("stored_levels", self.level_count + 1))
         wanted = self.stored if level is None else min(level + 1, self.stored)
         self.groups = [self.read_group(sequence, time, payloads, wanted) for sequence, time, payloads in container.groups]
         self.check_order()
@@ -650,7 +666,7 @@ class Recording:
         self.check_headers(where, headers)
         need((first.group, first.first_time) == (sequence, time), f"{where}: the message has another number or time")
         group = Group(first)
-        need(group.residuals == (self.facts["exact"] == "yes"), f"{where}: residuals")
+        need(group.residuals == self.exact, f"{where}: residuals")
         times = [line.stamps.get(2, line.index * 1000000 % (1 << 64)) for line in group.lines]
         need((first.first_time, first.last_time) == (times[0], times[-1]), f"{where}: times of the header")
         for header in headers[1:wanted + 1]:
@@ -690,7 +706,7 @@ class Recording:
         have = {"lines": len(lines), "points": sum(group.count for group in self.groups),
                 "runs": sum(len(line.runs) for line in lines), "invalid": sum(line.invalid for line in lines),
                 "gaps": len(self.gaps), "groups": len(self.groups)}
-        said = {key: int(self.totals[key]) for key in have}
+        said = {key: int(self.totals.get(key, 0)) for key in have}
         need(have == said, f"the recording holds {have}, scansion.end says {said}")
 
     def value(self, group, axis, i):

@@ -34,7 +34,7 @@ TEST(Crc32c, InstructionAndTablesAgreeInAnyPieces) {
 }
 
 TEST(Payload, HeaderComesBackAndEveryFlippedBitIsFound) {
-  Bytes payload(kPayloadHeaderSize + 20, std::byte{0x5A});
+  const Bytes body(20, std::byte{0x5A});
   const PayloadHeader header{.kind = PayloadKind::level,
                              .level = 1,
                              .levels = 3,
@@ -49,7 +49,9 @@ TEST(Payload, HeaderComesBackAndEveryFlippedBitIsFound) {
                              .left_out = 0.125,
                              .points = 1000,
                              .body_size = 20};
-  seal_payload(header, payload);
+  Bytes payload;
+  seal_payload(header, body, payload);
+  EXPECT_EQ(payload.size(), payload_size(header));
   const auto read = check_payload(payload);
   ASSERT_TRUE(read) << read.error().context;
   EXPECT_EQ(read.value(), header);

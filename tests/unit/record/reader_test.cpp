@@ -151,7 +151,8 @@ TEST(RecordingReader, HundredThousandGroups) {
       h.group = i;
       h.first_line = i;
       h.first_time_ns = h.last_time_ns = i * 1'000'000ULL;
-      seal_payload(h, payload);
+      const Bytes body(payload.end() - h.body_size, payload.end());
+      seal_payload(h, body, payload);
     }
     ASSERT_OK(writer.value().append(g, 1000, 1, i % 3));
   }

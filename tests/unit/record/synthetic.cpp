@@ -81,9 +81,10 @@ EncodedGroup group(const RecordingFacts& f, std::uint32_t number, std::uint64_t 
     h.last_time_ns = g.last_time_ns;
     h.tolerance = h.kind == PayloadKind::level ? 1.0 / (i + 1.0) : 0.0;
     h.points = i == 0 ? 1000 + number : 10;
-    Bytes payload(kPayloadHeaderSize + size + i * 3 + number % 5);
-    for (std::byte& b : std::span(payload).subspan(kPayloadHeaderSize)) b = static_cast<std::byte>(random());
-    seal_payload(h, payload);
+    Bytes body(size + i * 3 + number % 5);
+    for (std::byte& b : body) b = static_cast<std::byte>(random());
+    Bytes payload;
+    seal_payload(h, body, payload);
     g.payloads.push_back(std::move(payload));
   }
   return g;
@@ -127,7 +128,7 @@ Made make(const std::string& path, const Plan& plan) {
     }
     made.groups.push_back(group(plan.facts, i, line, plan.lines, plan.body));
     append(writer, made.groups.back());
-    made.block_end.push_back(writer.bytes() - (i % kFactsEvery == 0 ? copy : 0));
+    made.block_end.push_back(writer.bytes() - (facts_due(i + 1) ? copy : 0));
     made.payloads_end.push_back(made.block_end.back() - indexes);
     line += plan.lines;
   }

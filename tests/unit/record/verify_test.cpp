@@ -80,6 +80,7 @@ void every_flip_is_seen(const Plan& plan) {
       }
       ASSERT_FALSE(report.value().sound) << "byte " << at << " bit " << bit;
       ASSERT_GT(report.value().finding_count, 0U) << "byte " << at << " bit " << bit;
+      if (!plan.finish && at < made.head) continue; // no copy of the facts yet: nothing can be read
       ASSERT_GE(report.value().groups + 1, plan.groups) << "byte " << at << ": one byte costs one group at most";
     }
   }

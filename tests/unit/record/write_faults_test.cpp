@@ -123,7 +123,7 @@ TEST_F(WriteFaults, FullDiskAtEveryByteCutsBackToTheLastGroup) {
     ASSERT_FALSE(writer.append(Gap{64, 3, std::string(3000, 'x')}, 0)) << room;
     ASSERT_TRUE(whole()) << room;
   }
-  for (long room = 0; room < 1500; ++room) {
+  for (long room = 0; room < 1200; ++room) {
     faults.bytes_before = room;
     ASSERT_FALSE(writer.finish({}, 0)) << room;
     ASSERT_TRUE(whole()) << room;
