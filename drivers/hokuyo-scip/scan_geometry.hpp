@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "drivers/port/spacing.hpp"
 #include "pipeline/model/lattice.hpp"
 
 #include <array>
+#include <vector>
 
 namespace scansion::scip {
 
@@ -20,10 +20,16 @@ struct Sensor {
 /// Fails with undecodable when a key is missing or a value cannot be.
 [[nodiscard]] Result<Sensor> read_sensor(std::string_view pp_body);
 
+/// Which of several echoes of a step is the point.
+enum class EchoChoice : std::uint8_t { nearest, farthest, strongest };
+
 /// What is measured.
 struct ScanPlan {
   char kind = 'D'; ///< D: 3 characters, S: 2 characters, E: with intensity
   std::int32_t start = 0, end = 0, cluster = 1, skip = 0;
+  bool has_echoes = false; ///< N and H commands: further echoes of a step follow its first
+  bool is_polled = false;  ///< G and H commands: each scan is asked for
+  EchoChoice echo = EchoChoice::nearest;
 
   [[nodiscard]] std::int32_t values() const noexcept { return (end - start) / cluster + 1; }
   [[nodiscard]] std::size_t width() const noexcept { return kind == 'S' ? 2 : kind == 'D' ? 3 : 6; }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "drivers/hokuyo-scip/scan_geometry.hpp"
+#include "drivers/port/spacing.hpp"
 #include "drivers/transport/options.hpp"
 
 namespace scansion::scip {
@@ -10,9 +11,10 @@ namespace scansion::scip {
 inline constexpr TransportKinds kScipKinds{.serial = true, .tcp = true, .baud = 115200};
 
 struct Options {
-  char kind = 'D';
-  std::optional<std::int32_t> start, end; ///< empty: the sensor's first and last step
-  std::int32_t cluster = 1, skip = 0;
+  ScanPlan plan;                          ///< without its first and last step
+  std::optional<std::int32_t> start, end; ///< empty: the sensor's
+  int baud = 0;
+  std::optional<int> change_baud; ///< the rate to go to by SS
   double height_mm = 0.0;
   std::optional<double> gap_mm;
   LineSpacing spacing;

@@ -10,6 +10,7 @@
 namespace scansion::scip {
 
 inline constexpr std::size_t kBlock = 64; ///< data characters a line
+inline constexpr char kEchoMark = '&';    ///< in front of a further echo of the same step
 inline constexpr std::int64_t kClockPeriodMs = std::int64_t{1} << 24U;
 
 /// The character that closes a line: low six bits of the sum of the bytes before it, plus 0x30.

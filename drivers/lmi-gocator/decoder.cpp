@@ -203,11 +203,8 @@ std::int64_t GocatorDecoder::counts(std::int64_t nm) noexcept {
   return count;
 }
 
-std::int64_t GocatorDecoder::way_counts(const gdp::Stamp& stamp) const noexcept {
-  const auto time_ns = static_cast<std::int64_t>((stamp.time_us - base_->time_us) * 1000U);
-  const auto encoder =
-      static_cast<std::int64_t>(static_cast<std::uint64_t>(stamp.encoder) - static_cast<std::uint64_t>(base_->encoder));
-  const double mm = spacing_.way_mm(stamp.frame - base_->frame, time_ns, encoder);
+std::int64_t GocatorDecoder::way_counts(const gdp::Stamp& stamp) noexcept {
+  const double mm = way_.at({stamp.frame, static_cast<std::int64_t>(stamp.time_us * 1000U), stamp.encoder});
   const double at = mm * kNmPerMm / static_cast<double>(count_nm_);
   if (!(std::abs(at) < 2147483646.0)) return INT64_MAX;
   return std::llround(at);
@@ -243,20 +240,20 @@ void GocatorDecoder::convert(std::uint32_t row, std::int32_t y, LineBuffer& line
   line.invalid_after = invalid;
 }
 
-bool GocatorDecoder::find_gap(const gdp::Stamp& stamp, Gap& gap) {
+bool GocatorDecoder::find_gap(const gdp::Stamp& stamp, const Moment& at, Gap& gap) {
   if (std::exchange(gap_is_told_, true)) return false;
+  const std::int64_t waited_ns = at.monotonic_ns - line_at_.monotonic_ns;
   if (std::exchange(counts_anew_, false)) {
-    base_.reset();
+    way_.go_on(1, waited_ns);
     if (stamp.frame == 0) return false; // a fresh start follows the end of the run before
     gap.reason = "the sensor counts its frames anew";
     return true;
   }
   if (!last_) {
-    if (away_ && follows(*away_, stamp)) {
+    if (away_ && follows(*away_, stamp))
       lost_while_away_ = stamp.frame - away_->frame - 1;
-    } else {
-      base_.reset();
-    }
+    else if (away_)
+      way_.go_on(1, waited_ns);
     away_.reset();
     return false;
   }
@@ -266,7 +263,7 @@ bool GocatorDecoder::find_gap(const gdp::Stamp& stamp, Gap& gap) {
   return true;
 }
 
-std::optional<Decoded> GocatorDecoder::hand_out(LineBuffer& line, Gap& gap) {
+std::optional<Decoded> GocatorDecoder::hand_out(const Moment& at, LineBuffer& line, Gap& gap) {
   if (is_refusing_) {
     is_refusing_ = false;
     drop_message();
@@ -277,22 +274,22 @@ std::optional<Decoded> GocatorDecoder::hand_out(LineBuffer& line, Gap& gap) {
     if (count_nm_ == 0) return Decoded::reply;
     waits_ = false;
   }
-  if (row_ == 0 && !fits()) return hand_out(line, gap);
+  if (row_ == 0 && !fits()) return hand_out(at, line, gap);
   gdp::Stamp stamp{lines_, 0, 0};
   if (!stamps_.empty()) {
     stamp = stamps_[row_];
     if (row_ > 0 && !follows(*last_, stamp)) stamp = {last_->frame + 1, last_->time_us, last_->encoder}; // within one message
-    if (find_gap(stamp, gap)) return Decoded::gap;
+    if (find_gap(stamp, at, gap)) return Decoded::gap;
   }
-  if (!base_) base_ = stamp;
   const std::int64_t y = way_counts(stamp);
   if (y == INT64_MAX) {
-    base_.reset();
+    way_.begin_anew();
     refuse("the line's place along the way fits no lattice of this resolution; the way begins anew");
-    return hand_out(line, gap);
+    return hand_out(at, line, gap);
   }
   convert(row_, static_cast<std::int32_t>(y), line);
   ++lines_;
+  line_at_ = at;
   if (!stamps_.empty()) {
     last_ = stamp;
     line.stamps.encoder = stamp.encoder;
@@ -304,10 +301,10 @@ std::optional<Decoded> GocatorDecoder::hand_out(LineBuffer& line, Gap& gap) {
   return Decoded::line;
 }
 
-Decoder::Step GocatorDecoder::decode(std::span<const std::uint8_t> bytes, const Moment& /*at*/, LineBuffer& line, Gap& gap) {
+Decoder::Step GocatorDecoder::decode(std::span<const std::uint8_t> bytes, const Moment& at, LineBuffer& line, Gap& gap) {
   Step step;
   for (;;) {
-    if (const auto what = hand_out(line, gap)) {
+    if (const auto what = hand_out(at, line, gap)) {
       step.what = *what;
       return step;
     }

@@ -4,7 +4,7 @@
 
 #include "drivers/lmi-gocator/gdp.hpp"
 #include "drivers/port/decoder.hpp"
-#include "drivers/port/spacing.hpp"
+#include "drivers/port/way.hpp"
 
 #include <array>
 
@@ -25,7 +25,7 @@ public:
   static constexpr std::int64_t kLongestRun = (1LL << 30) - 1; ///< counts
 
   GocatorDecoder(LinkCounters& counters, GocatorChoice choice, LineSpacing spacing)
-      : counters_(counters), choice_(choice), spacing_(spacing) {}
+      : counters_(counters), choice_(choice), way_(spacing) {}
 
   /// A reply is one of two things: with refusal() the sensor sends what is no scan line here; else the first profile is there
   /// and waits for set_count_nm(), which profile() tells how to choose.
@@ -40,8 +40,7 @@ public:
   }
   [[nodiscard]] const gdp::Profile& profile() const noexcept { return profile_; }
   [[nodiscard]] const std::string& refusal() const noexcept { return refusal_; }
-  /// Frames between the last line before reset() and the first after; empty when the sensor counts anew.
-  [[nodiscard]] std::optional<std::uint64_t> lost_while_away() const noexcept { return lost_while_away_; }
+  std::optional<std::uint64_t> lost_while_away() const noexcept override { return lost_while_away_; }
   [[nodiscard]] std::int64_t rounding_nm() const noexcept { return rounding_nm_; }
 
 private:
@@ -64,16 +63,15 @@ private:
   void drop_message() noexcept;
   [[nodiscard]] bool fits();
   [[nodiscard]] Frames compare(const gdp::Stamp& stamp);
-  [[nodiscard]] std::optional<Decoded> hand_out(LineBuffer& line, Gap& gap);
-  [[nodiscard]] bool find_gap(const gdp::Stamp& stamp, Gap& gap);
+  [[nodiscard]] std::optional<Decoded> hand_out(const Moment& at, LineBuffer& line, Gap& gap);
+  [[nodiscard]] bool find_gap(const gdp::Stamp& stamp, const Moment& at, Gap& gap);
   [[nodiscard]] std::int64_t counts(std::int64_t nm) noexcept;
-  [[nodiscard]] std::int64_t way_counts(const gdp::Stamp& stamp) const noexcept;
+  [[nodiscard]] std::int64_t way_counts(const gdp::Stamp& stamp) noexcept;
   void convert(std::uint32_t row, std::int32_t y, LineBuffer& line);
   void refuse(std::string why);
 
   LinkCounters& counters_;
   const GocatorChoice choice_;
-  const LineSpacing spacing_;
   std::int64_t count_nm_ = 0; ///< 0: not known yet
   bool rounds_ = false;
   bool is_exact_ = false; ///< profile_ lies on the lattice
@@ -103,8 +101,9 @@ private:
   std::optional<gdp::Stamp> last_;     ///< of the newest line
   std::optional<gdp::Stamp> away_;     ///< the same before reset()
   std::optional<gdp::Stamp> doubtful_; ///< refused; the next one may prove it right
-  std::optional<gdp::Stamp> base_;     ///< where the way begins
-  std::uint64_t lines_ = 0;            ///< when there are no stamps
+  Way way_;
+  Moment line_at_;          ///< when the newest line came
+  std::uint64_t lines_ = 0; ///< when there are no stamps
   bool counts_anew_ = false;
   std::optional<std::uint64_t> lost_while_away_;
 };

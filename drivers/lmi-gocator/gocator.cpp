@@ -87,16 +87,6 @@ private:
     return fail(Errc::undecodable, port_name(), ": ", decoder_.refusal());
   }
 
-  std::optional<Gap> lost_between(const LineBuffer& first, const Moment& last_line, const Moment& first_line) override {
-    const auto lost = decoder_.lost_while_away();
-    if (!lost) return PortDriver::lost_between(first, last_line, first_line);
-    if (*lost == 0) return std::nullopt;
-    Gap gap;
-    gap.count = lost;
-    gap.reason = "the device was away";
-    return gap;
-  }
-
   GocatorDecoder decoder_;
   const std::int64_t count_nm_; ///< 0: as the sensor's scales say
 };

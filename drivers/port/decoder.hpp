@@ -17,9 +17,9 @@ enum class Decoded : std::uint8_t {
 };
 
 /// Pure and incremental: no input or output, no clock, no thread, no log. The same bytes give the same results however they are
-/// cut into pieces; of the times only the stamps may depend on `at`. Any bytes may come in: what is not understood is counted
-/// once in LinkCounters, by cause, and skipped to the next place where a frame may begin. Memory has a bound that the
-/// decoder's header states; the steady state allocates nothing.
+/// cut into pieces; of the times only the stamps, and the way that went by during a loss, may depend on `at`. Any bytes may
+/// come in: what is not understood is counted once in LinkCounters, by cause, and skipped to the next place where a frame may
+/// begin. Memory has a bound that the decoder's header states; the steady state allocates nothing.
 class Decoder {
 public:
   Decoder() = default;
@@ -35,8 +35,11 @@ public:
   [[nodiscard]] virtual Step decode(std::span<const std::uint8_t> bytes, const Moment& at, LineBuffer& line, Gap& gap) = 0;
   /// Forgets half a frame: the connection is new.
   virtual void reset() = 0;
-  /// The source came to its end or was lost, at `now`: a line whose end only a later byte would tell is over.
-  virtual void finish(const Moment& /*now*/) {}
+  /// How many lines are missing between the last one before reset() and the first after it; empty: the device does not tell.
+  /// Asked when the latter was handed out.
+  [[nodiscard]] virtual std::optional<std::uint64_t> lost_while_away() const noexcept { return std::nullopt; }
+  /// The source came to its end, or (`is_lost`) broke off, at `now`: a line whose end only a later byte would tell is over.
+  virtual void finish(const Moment& /*now*/, bool /*is_lost*/) {}
 };
 
 } // namespace scansion

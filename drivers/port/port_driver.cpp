@@ -33,7 +33,7 @@ void PortDriver::close() noexcept {
     farewell();
   }
   transport_->close();
-  if (line_at_) last_line_ = std::exchange(line_at_, std::nullopt);
+  if (std::exchange(line_at_, std::nullopt)) was_away_ = true;
 }
 
 Result<void> PortDriver::fill(std::int64_t deadline_ns) {
@@ -73,22 +73,16 @@ Result<bool> PortDriver::await_reply(std::int64_t deadline_ns) {
   }
 }
 
-std::optional<Gap> PortDriver::lost_between(const LineBuffer& /*first*/, const Moment& /*last_line*/,
-                                            const Moment& /*first_line*/) {
-  Gap gap;
-  gap.reason = "the device was away";
-  return gap;
-}
-
 Delivery PortDriver::deliver(LineBuffer& line, Gap& gap) {
   if (!line.stamps.host_monotonic_ns) line.stamps.host_monotonic_ns = arrived_.monotonic_ns;
   if (!line.stamps.host_realtime_ns) line.stamps.host_realtime_ns = arrived_.realtime_ns;
   const bool is_first = !line_at_;
   line_at_ = arrived_;
-  if (!is_first || !last_line_) return Delivery::line;
-  auto lost = lost_between(line, *std::exchange(last_line_, std::nullopt), arrived_);
-  if (!lost) return Delivery::line;
-  gap = std::move(*lost);
+  if (!is_first || !std::exchange(was_away_, false)) return Delivery::line;
+  const auto lost = decoder().lost_while_away();
+  if (lost == std::optional<std::uint64_t>(0)) return Delivery::line;
+  gap.count = lost;
+  gap.reason = "the device was away";
   std::swap(held_, line);
   is_held_ = true;
   return Delivery::gap;
@@ -114,7 +108,7 @@ Result<Delivery> PortDriver::next(LineBuffer& line, Gap& gap) {
       case Decoded::more: break;
     }
     if ((at_end_ || lost_) && !std::exchange(is_finished_, true)) {
-      decoder().finish(now());
+      decoder().finish(now(), lost_.has_value());
       continue;
     }
     if (lost_) return *lost_;

@@ -36,17 +36,14 @@ protected:
   /// Leaves the device in a safe state (laser off). Called once before an open port is closed, also after an error; must not
   /// take longer than a few 100 ms.
   virtual void farewell() noexcept {}
-  /// The port is about to be closed, lost or not: the place to keep what lost_between() needs.
+  /// The port is about to be closed, lost or not.
   virtual void closing() noexcept {}
-  /// What was lost between the last line before the device went away and the first one after. Empty: nothing. The default: an
-  /// unknown number of lines.
-  [[nodiscard]] virtual std::optional<Gap> lost_between(const LineBuffer& /*first*/, const Moment& last_line,
-                                                        const Moment& first_line);
 
   // What a derived driver may use.
 
   /// Sends all of `text` within a second.
   [[nodiscard]] Result<void> send(std::string_view text);
+  [[nodiscard]] Result<void> change_rate(int baud) { return transport_->change_rate(baud); }
   /// Decodes until a reply comes or `deadline_ns` is there (false). Lines and gaps on the way are passed over: before the
   /// start they belong to nobody. Fails when the device is lost.
   [[nodiscard]] Result<bool> await_reply(std::int64_t deadline_ns);
@@ -75,11 +72,11 @@ private:
   Moment arrived_;                  ///< of those
   bool is_open_ = false;
   bool at_end_ = false;
-  bool is_finished_ = false;        ///< the decoder was told of the end
-  std::optional<Error> lost_;       ///< the port's error, while the decoder gives what it still has
-  std::optional<Moment> line_at_;   ///< in this run
-  std::optional<Moment> last_line_; ///< in the run before
-  LineBuffer held_;                 ///< the first line after a loss, while its gap is delivered
+  bool is_finished_ = false;      ///< the decoder was told of the end
+  std::optional<Error> lost_;     ///< the port's error, while the decoder gives what it still has
+  std::optional<Moment> line_at_; ///< in this run
+  bool was_away_ = false;         ///< lines came in a run before, none yet in this one
+  LineBuffer held_;               ///< the first line after a loss, while its gap is delivered
   bool is_held_ = false;
   LineBuffer passed_line_; ///< for await_reply
   Gap passed_gap_;

@@ -39,6 +39,13 @@ public:
     if (line.ends_with('\r')) line.remove_suffix(1);
     return line;
   }
+  /// What stands behind the last line feed, as if one followed; empty: nothing. The next call of next() begins anew.
+  [[nodiscard]] std::string_view rest() noexcept {
+    if (is_given_) held_.clear();
+    is_given_ = true;
+    is_skipping_ = false;
+    return held_;
+  }
   void reset() noexcept {
     held_.clear();
     is_given_ = is_skipping_ = false;

@@ -20,23 +20,22 @@ std::string_view trimmed(std::string_view text) noexcept {
 } // namespace
 
 StreamDecoder::StreamDecoder(LinkCounters& counters, Plan plan, RecordReader reader)
-    : counters_(counters), plan_(std::move(plan)), reader_(std::move(reader)), rows_(kMaxRow, counters) {}
+    : counters_(counters), plan_(std::move(plan)), reader_(std::move(reader)), rows_(kMaxRow, counters), way_(plan_.spacing) {}
 
 void StreamDecoder::reset() {
   rows_.reset();
   held_.clear();
-  is_out_of_step_ = false;
+  is_out_of_step_ = is_over_ = false;
   open_.clear();
   done_.clear();
   is_done_ = is_in_run_ = false;
   invalid_ = records_ = 0;
   last_at_.reset();
   gap_.reset();
-  number_.reset();
+  if (number_) number_before_ = std::exchange(number_, std::nullopt);
   direction_ = 0;
-  line_ = 0;
-  first_time_.reset();
-  first_encoder_.reset();
+  is_away_ = true;
+  lost_while_away_.reset();
 }
 
 /// A sample that did not arrive whole: the run ends here.
@@ -69,14 +68,21 @@ void StreamDecoder::close_after_pause() {
 
 /// Where a line without a y stands, by its first record.
 std::int32_t StreamDecoder::way_counts() {
-  if (record_.time_ns && !first_time_) first_time_ = record_.time_ns;
-  if (record_.encoder && !first_encoder_) first_encoder_ = record_.encoder;
-  const std::int64_t time = record_.time_ns ? *record_.time_ns - *first_time_ : 0;
-  const std::int64_t encoder = record_.encoder ? *record_.encoder - *first_encoder_ : 0;
-  const double mm = plan_.spacing.way_mm(line_, time, encoder);
+  const double mm = way_.at({line_, record_.time_ns.value_or(0), record_.encoder.value_or(0)});
   const double counts = mm / millimetres(plan_.unit).value() / plan_.resolution.value();
   const auto most = static_cast<double>(kMostCounts);
   return static_cast<std::int32_t>(std::lround(std::clamp(counts, -most, most)));
+}
+
+/// The first record after the device was away: what it counts tells what was lost.
+void StreamDecoder::begin_run() {
+  if (!std::exchange(is_away_, false)) return;
+  if (record_.line && number_before_ && *record_.line > *number_before_ && *record_.line - *number_before_ <= kBelievedLeap) {
+    lost_while_away_ = static_cast<std::uint64_t>(*record_.line - *number_before_ - 1);
+    line_ += *lost_while_away_;
+  }
+  // A clock that begins anew: the way goes on for as long as the host waited.
+  if (record_.time_ns && time_ && *record_.time_ns < *time_) way_.go_on(1, at_.monotonic_ns - record_at_.monotonic_ns);
 }
 
 void StreamDecoder::append() {
@@ -179,6 +185,7 @@ void StreamDecoder::begin_line_at(std::int64_t number) {
 
 void StreamDecoder::take_record() {
   counters_.accept();
+  begin_run();
   if (plan_.pause_ns > 0 && last_at_ && at_.monotonic_ns - last_at_->monotonic_ns >= plan_.pause_ns) close_after_pause();
   if (plan_.line_break == Break::field) begin_line_at(*record_.line);
   const bool is_full = open_.points() >= kMostPoints || (plan_.line_break == Break::points && records_ >= plan_.points);
@@ -192,7 +199,8 @@ void StreamDecoder::take_record() {
     append();
     if (plan_.line_break == Break::reversal) follow_axis();
   }
-  if (record_.time_ns) open_.stamps.device_ns = record_.time_ns;
+  record_at_ = at_;
+  if (record_.time_ns) open_.stamps.device_ns = time_ = record_.time_ns;
   if (record_.encoder) open_.stamps.encoder = record_.encoder;
   // The last record of a line of known length ends it at once.
   if (plan_.line_break == Break::points && records_ == plan_.points) close_line(at_);
@@ -206,23 +214,26 @@ bool StreamDecoder::take_row(std::span<const std::uint8_t> bytes, std::size_t& u
     is_in_run_ = false;
   }
   if (!whole) return false;
-  const std::string_view row = trimmed(*whole);
+  read_row(trimmed(*whole));
+  return true;
+}
+
+void StreamDecoder::read_row(std::string_view row) {
   if (row.empty()) {
     if (plan_.line_break == Break::blank) close_line(at_);
-    return true;
+    return;
   }
   if (plan_.line_break == Break::mark && row == plan_.mark) {
     counters_.accept();
     close_line(at_);
-    return true;
+    return;
   }
-  if (!plan_.comment.empty() && row.starts_with(plan_.comment)) return true;
+  if (!plan_.comment.empty() && row.starts_with(plan_.comment)) return;
   record_ = {};
   if (const auto cause = reader_.read(row, record_))
     lose(*cause);
   else
     take_record();
-  return true;
 }
 
 /// Looks for the next record from the byte after the false beginning. What follows until then is one loss.
@@ -266,9 +277,15 @@ std::int64_t StreamDecoder::look_for_pause(const Moment& now) {
   return now.monotonic_ns;
 }
 
-void StreamDecoder::finish(const Moment& now) {
+/// The last row of a file may do without its line feed. A row or record that broke off is a sample that did not arrive whole.
+void StreamDecoder::finish(const Moment& now, bool is_lost) {
   static_cast<void>(look_for_pause(now));
-  if (last_at_) close_line(*last_at_);
+  const std::string_view row = trimmed(rows_.rest());
+  if (!row.empty() && !is_lost)
+    read_row(row);
+  else if (!row.empty() || (!held_.empty() && !is_out_of_step_))
+    lose(Reject::framing);
+  is_over_ = true;
 }
 
 Decoder::Step StreamDecoder::decode(std::span<const std::uint8_t> bytes, const Moment& at, LineBuffer& line, Gap& gap) {
@@ -285,6 +302,10 @@ Decoder::Step StreamDecoder::decode(std::span<const std::uint8_t> bytes, const M
       gap_.reset();
       step.what = Decoded::gap;
       return step;
+    }
+    if (std::exchange(is_over_, false)) {
+      close_line(last_at_.value_or(at));
+      continue;
     }
     if (!(plan_.is_binary ? take_binary(bytes, step.used) : take_row(bytes, step.used))) return step;
   }

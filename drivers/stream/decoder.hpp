@@ -4,6 +4,7 @@
 
 #include "drivers/port/decoder.hpp"
 #include "drivers/port/text_lines.hpp"
+#include "drivers/port/way.hpp"
 #include "drivers/stream/record.hpp"
 
 namespace scansion::stream {
@@ -20,10 +21,11 @@ public:
 
   Step decode(std::span<const std::uint8_t> bytes, const Moment& at, LineBuffer& line, Gap& gap) override;
   void reset() override;
-  void finish(const Moment& now) override;
+  void finish(const Moment& now, bool is_lost) override;
 
   /// Ends the line when `now` is a pause after its last byte. When to ask again; the largest number: not before bytes come.
   std::int64_t look_for_pause(const Moment& now);
+  std::optional<std::uint64_t> lost_while_away() const noexcept override { return lost_while_away_; }
   /// Largest rounding error met, in counts.
   [[nodiscard]] double rounding() const noexcept { return reader_.rounding(); }
 
@@ -31,10 +33,12 @@ private:
   /// The next step towards a record; false: `bytes` are used up.
   [[nodiscard]] bool take_row(std::span<const std::uint8_t> bytes, std::size_t& used);
   [[nodiscard]] bool take_binary(std::span<const std::uint8_t> bytes, std::size_t& used);
+  void read_row(std::string_view row);
   void lose(Reject cause);
   void lose_step(Reject cause);
   void take_record();
   void begin_line_at(std::int64_t number);
+  void begin_run();
   void append();
   void follow_axis();
   void split_line(std::uint32_t keep);
@@ -57,20 +61,26 @@ private:
   LineBuffer done_; ///< a line that is over
   LineBuffer spare_;
   bool is_done_ = false;
+  bool is_over_ = false;      ///< no byte follows: open_ is over, too
   std::uint32_t invalid_ = 0; ///< samples since the last point of open_
   std::uint32_t records_ = 0; ///< of open_
   bool is_in_run_ = false;
   std::optional<Moment> last_at_; ///< of the newest record of open_
   std::optional<Gap> gap_;
-  std::optional<std::int64_t> number_; ///< what the field `line` says of open_
+  std::optional<std::int64_t> number_;        ///< what the field `line` says of open_
+  bool is_away_ = false;                      ///< no record since reset()
+  std::optional<std::int64_t> number_before_; ///< the newest number before reset()
+  std::optional<std::uint64_t> lost_while_away_;
 
   int direction_ = 0;            ///< of the way along the axis
   std::int64_t turning_ = 0;     ///< farthest along the direction, counts
   std::uint32_t turning_at_ = 0; ///< its point
 
-  std::uint64_t line_ = 0; ///< lines before open_, lost ones too
-  std::optional<std::int64_t> first_time_, first_encoder_;
-  std::int32_t y_ = 0; ///< of open_, when there is no field y
+  std::uint64_t line_ = 0; ///< lines before open_, lost ones too, as far as they are known
+  Way way_;
+  std::optional<std::int64_t> time_; ///< of the newest record
+  Moment record_at_;                 ///< when that came
+  std::int32_t y_ = 0;               ///< of open_, when there is no field y
 };
 
 } // namespace scansion::stream

@@ -46,7 +46,8 @@ bool TemplateDecoder::take_profile(std::string_view text) {
   text.remove_prefix(2);
   std::uint64_t index = 0;
   std::uint32_t points = 0;
-  held_.clear();
+  LineBuffer& line = held_.buffer();
+  line.clear();
   if (!take_number(text, index) || !take_number(text, points)) {
     counters_.reject(Reject::value);
     return false;
@@ -54,15 +55,15 @@ bool TemplateDecoder::take_profile(std::string_view text) {
   std::int32_t x = 0;
   std::int32_t z = 0;
   while (!text.empty() && take_number(text, x) && take_number(text, z)) {
-    held_.xyz[0].push_back(x);
-    held_.xyz[1].push_back(0);
-    held_.xyz[2].push_back(z);
+    line.xyz[0].push_back(x);
+    line.xyz[1].push_back(0);
+    line.xyz[2].push_back(z);
   }
-  if (!text.empty() || held_.points() != points) {
+  if (!text.empty() || line.points() != points) {
     counters_.reject(Reject::count);
     return false;
   }
-  if (points > 0) held_.runs.push_back({0, points, 0});
+  if (points > 0) line.runs.push_back({0, points, 0});
   index_ = index;
   counters_.accept();
   return true;
@@ -70,7 +71,7 @@ bool TemplateDecoder::take_profile(std::string_view text) {
 
 Decoder::Step TemplateDecoder::decode(std::span<const std::uint8_t> bytes, const Moment& /*at*/, LineBuffer& line, Gap& gap) {
   Step step;
-  while (!is_line_held_) {
+  while (!held_.is_ready()) {
     const auto text = text_.next(bytes, step.used);
     if (!text) return step;
     if (*text == "OK") {
@@ -79,20 +80,12 @@ Decoder::Step TemplateDecoder::decode(std::span<const std::uint8_t> bytes, const
       return step;
     }
     if (!take_profile(*text)) continue;
-    is_line_held_ = true;
+    held_.ready();
     const std::uint64_t expected = next_index_.value_or(index_);
     next_index_ = index_ + 1;
-    if (index_ > expected) {
-      gap.count = index_ - expected;
-      gap.reason = "profiles are missing";
-      step.what = Decoded::gap;
-      return step;
-    }
+    if (index_ > expected) return HeldLine::tell(step, gap, index_ - expected, "profiles are missing");
   }
-  is_line_held_ = false;
-  std::swap(line, held_);
-  step.what = Decoded::line;
-  return step;
+  return held_.give(step, line);
 }
 
 } // namespace scansion

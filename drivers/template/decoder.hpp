@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "drivers/port/decoder.hpp"
+#include "drivers/port/held_line.hpp"
 #include "drivers/port/text_lines.hpp"
 
 namespace scansion {
@@ -10,7 +10,7 @@ namespace scansion {
 /// Memory: one line of text of at most kMaxText bytes.
 class TemplateDecoder final : public Decoder {
 public:
-  static constexpr std::size_t kMaxText = 64U * 1024U;
+  static constexpr std::size_t kMaxText = std::size_t{64} << 10U;
 
   explicit TemplateDecoder(LinkCounters& counters) : counters_(counters), text_(kMaxText, counters) {}
 
@@ -18,7 +18,7 @@ public:
   void reset() override {
     text_.reset();
     next_index_.reset();
-    is_line_held_ = false;
+    held_.drop();
   }
 
 private:
@@ -26,9 +26,8 @@ private:
 
   LinkCounters& counters_;
   TextLines text_;
-  LineBuffer held_;           ///< the newest profile
-  bool is_line_held_ = false; ///< it waits until the gap before it was handed out
-  std::uint64_t index_ = 0;   ///< of the newest profile
+  HeldLine held_;           ///< the newest profile
+  std::uint64_t index_ = 0; ///< of the newest profile
   std::optional<std::uint64_t> next_index_;
 };
 

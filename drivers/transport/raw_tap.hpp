@@ -21,6 +21,7 @@ public:
   Result<void> open() override;
   Result<Arrival> read(std::span<std::uint8_t> to, std::int64_t deadline_ns) override;
   Result<void> write(std::span<const std::uint8_t> bytes, std::int64_t deadline_ns) override;
+  Result<void> change_rate(int baud) override { return inner_->change_rate(baud); }
   void close() noexcept override;
   [[nodiscard]] Moment now() const noexcept override { return inner_->now(); }
   [[nodiscard]] const std::string& name() const noexcept override { return inner_->name(); }

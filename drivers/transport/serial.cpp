@@ -84,6 +84,12 @@ public:
     return success();
   }
 
+  Result<void> change_rate(int baud) override {
+    if (!fd_) return fail(Errc::unavailable, name(), ": is not open");
+    if (port_ ? sp_set_baudrate(port_.get(), baud) == SP_OK : make_raw(fd_.get(), baud)) return success();
+    return cannot_set(baud);
+  }
+
   void close() noexcept override {
     if (port_) static_cast<void>(fd_.release()); // libserialport's own
     port_.reset();
@@ -109,9 +115,9 @@ private:
     const bool configured = sp_set_bits(found, 8) == SP_OK && sp_set_parity(found, SP_PARITY_NONE) == SP_OK &&
                             sp_set_stopbits(found, 1) == SP_OK && sp_set_flowcontrol(found, SP_FLOWCONTROL_NONE) == SP_OK;
     if (!configured || sp_set_baudrate(found, baud_) != SP_OK) {
-      const Error error = system_error(name() + ": cannot be set to " + std::to_string(baud_) + " baud 8N1", errno);
+      const Error error = cannot_set(baud_);
       close();
-      return make_error(Errc::unavailable, {error.context});
+      return error;
     }
     int fd = -1;
     if (sp_get_port_handle(found, &fd) != SP_OK) {
@@ -131,6 +137,11 @@ private:
     if (!make_raw(fd.get(), baud_)) return cannot_open(errno);
     fd_ = std::move(fd);
     return success();
+  }
+
+  Error cannot_set(int baud) const {
+    const Error error = system_error(name() + ": cannot be set to " + std::to_string(baud) + " baud 8N1", errno);
+    return make_error(Errc::unavailable, {error.context});
   }
 
   Error cannot_open(int reason) const {

@@ -42,6 +42,8 @@ public:
   [[nodiscard]] virtual Result<Arrival> read(std::span<std::uint8_t> to, std::int64_t deadline_ns) = 0;
   /// All of `bytes`, or an error: unavailable after a hang-up or when the device takes nothing until the deadline.
   [[nodiscard]] virtual Result<void> write(std::span<const std::uint8_t> bytes, std::int64_t deadline_ns) = 0;
+  /// Another bit rate from now on, also for bytes that were written but have not gone out yet. Nothing on what has no rate.
+  [[nodiscard]] virtual Result<void> change_rate(int /*baud*/) { return success(); }
   /// Allowed in every state.
   virtual void close() noexcept = 0;
 

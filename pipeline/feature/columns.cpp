@@ -14,6 +14,7 @@ namespace {
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 constexpr float kLeastSlopeChange = 0.1228F; // tan 7 degrees
 constexpr double kMostMissed = 3.6;          // spacings within a window
+constexpr std::size_t kMostFlank = 64;       // rows
 
 } // namespace
 
@@ -21,6 +22,8 @@ Columns::Columns(const Sampling& sampling) : pitch_(sampling.pitch) {
   // Narrow features want narrow windows; the noise decides how narrow.
   window_ = std::max<std::size_t>(kNarrowest, FitScale::wanted_window(sampling.noise, sampling.spacing));
   reach_ = std::max(kReach * window_, kLeastReach);
+  const double rounding = FitScale::of(sampling.noise, sampling.spacing, sampling.coarse()).arc_radius / sampling.spacing;
+  flank_reach_ = std::max(reach_, std::min(kMostFlank, static_cast<std::size_t>(rounding) + window_));
   ring_.resize(2 * lag() + 3);
 }
 
@@ -173,49 +176,42 @@ void Columns::measure_bend(std::int64_t r, std::size_t column, const Sampling& s
     const float b = std::abs(row(k).bend[column]);
     return b >= 0.5F * own && b >= std::abs(row(k - 1).bend[column]) && b >= std::abs(row(k + 1).bend[column]);
   };
-  bool walled = false;
-  while (low - 1 >= std::max(first_, r - reach)) {
-    if (blocks(low - 1, low)) {
-      walled = true;
-      break;
-    }
+  while (low - 1 >= std::max(first_, r - reach) && !blocks(low - 1, low))
     if (peak(--low)) break;
-  }
-  while (high + 1 <= std::min(next_ - 1, r + reach)) {
-    if (blocks(high + 1, high)) {
-      walled = true;
-      break;
-    }
+  while (high + 1 <= std::min(next_ - 1, r + reach) && !blocks(high + 1, high))
     if (peak(++high)) break;
-  }
   if (r - low < 2 || high - r < 2) return;
-  s_.clear();
-  w_.clear();
-  std::uint32_t k = 0;
-  for (std::int64_t i = low; i <= high; ++i) {
-    const float height = row(i).height[column];
-    if (std::isnan(height)) continue;
-    if (i == r) k = static_cast<std::uint32_t>(s_.size());
-    s_.push_back(row(i).c);
-    w_.push_back(static_cast<double>(height) + base_);
-  }
-  if (k < 2 || k + 2 >= s_.size()) return;
+  copy_column(r, column, static_cast<std::int64_t>(flank_reach_));
+  const auto index = [&](double c) {
+    return static_cast<std::uint32_t>(std::lower_bound(s_.begin(), s_.end(), c) - s_.begin());
+  };
   const auto last = static_cast<std::uint32_t>(s_.size() - 1);
-  const auto bend = find_bend({s_, w_}, k, {0, last, 0, last}, scale);
-  if (!bend) return;
-  if (walled && is_part_of_step(r, column, bend->s, scale)) return;
+  Reach bounds{index(row(low).c), std::min(index(row(high).c), last), 0, last};
+  const std::uint32_t k = index(row(r).c);
+  if (k < bounds.before + 2 || k + 2 > bounds.after) return;
+  bound_by_steps(row(r).c, scale, bounds);
+  const auto bend = find_bend({s_, w_}, k, bounds, scale);
+  if (!bend || is_part_of_step(bend->s, scale)) return;
   ColumnPoint point = column_point(r, column, make_point(*bend, 0, scale));
   point.feature.width = std::log2(std::max(1.0, std::abs(static_cast<double>(own)) * static_cast<double>(window_) *
                                                     sampling.spacing / 4.0 / least_distance(scale.noise)));
   out.push_back(point);
 }
 
-// Whether place c of a column lies within a step, or in what rounds its edges.
-bool Columns::is_part_of_step(std::int64_t r, std::size_t column, double c, const FitScale& scale) {
-  copy_column(r, column, static_cast<std::int64_t>(lag()));
+// Flanks are not looked for beyond a step.
+void Columns::bound_by_steps(double c, const FitScale& scale, Reach& reach) {
   found_.clear();
   walls_.clear();
   steps_.find({s_, w_}, 0, static_cast<std::uint32_t>(s_.size()), scale, found_, walls_);
+  for (const WallRun& wall : walls_) {
+    if (!wall.step) continue;
+    if (s_[wall.last] <= c) reach.first = std::max(reach.first, wall.last);
+    if (s_[wall.first] >= c) reach.last = std::min(reach.last, wall.first);
+  }
+}
+
+// Whether place c of the column in s_, w_ lies within a step, or in what rounds its edges.
+bool Columns::is_part_of_step(double c, const FitScale& scale) const {
   return std::any_of(walls_.begin(), walls_.end(), [&](const WallRun& wall) {
     return wall.step && c >= s_[wall.low] - scale.pitch && c <= s_[wall.high] + scale.pitch;
   });

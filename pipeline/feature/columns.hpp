@@ -32,7 +32,7 @@ public:
   /// Adds what the last rows still hold.
   void finish(const Sampling& sampling, std::vector<ColumnPoint>& out);
   /// Rows are missing: windows do not reach over them.
-  [[nodiscard]] std::size_t lag() const noexcept { return reach_ + 2; }
+  [[nodiscard]] std::size_t lag() const noexcept { return flank_reach_ + 2; }
   [[nodiscard]] double pitch() const noexcept { return pitch_; }
 
 private:
@@ -57,16 +57,18 @@ private:
   void harvest(std::int64_t r, const Sampling& sampling, std::vector<ColumnPoint>& out);
   void measure_bend(std::int64_t r, std::size_t column, const Sampling& sampling, const FitScale& scale,
                     std::vector<ColumnPoint>& out);
-  [[nodiscard]] bool is_part_of_step(std::int64_t r, std::size_t column, double c, const FitScale& scale);
+  void bound_by_steps(double c, const FitScale& scale, Reach& reach);
+  [[nodiscard]] bool is_part_of_step(double c, const FitScale& scale) const;
   void measure_step(std::int64_t r, std::size_t column, const FitScale& scale, std::vector<ColumnPoint>& out);
   void copy_column(std::int64_t r, std::size_t column, std::int64_t reach);
   [[nodiscard]] ColumnPoint column_point(std::int64_t r, std::size_t column, const FeaturePoint& feature) const;
 
   double pitch_ = 1.0, base_ = 0.0;
-  std::size_t window_ = 5; // N: rows a side
-  std::size_t reach_ = 10; // rows a side that a fit may use
-  std::int64_t left_ = 0;  // number of the first column
-  std::size_t width_ = 0;  // columns
+  std::size_t window_ = 5;       // N: rows a side
+  std::size_t reach_ = 10;       // rows a side that a fit may use
+  std::size_t flank_reach_ = 10; // rows a side that hold the flanks of a rounded edge
+  std::int64_t left_ = 0;        // number of the first column
+  std::size_t width_ = 0;        // columns
   std::vector<Row> ring_;
   std::int64_t first_ = 0, next_ = 0;  // rows held
   std::vector<double> before_, after_; // weights of rows in slopes

@@ -137,7 +137,11 @@ void Detector::detect(const Profile& profile, const Sampling& sampling, std::vec
     if (vertex.k < begin + kLineEnd || vertex.k + kLineEnd >= profile.ends[run]) continue;
     while (wall < walls_.size() && walls_[wall].high + 1 < vertex.k) ++wall;
     if (wall < walls_.size() && walls_[wall].step && vertex.k + 1 >= walls_[wall].low) continue;
-    add_vertex(profile, vertex, begin, profile.ends[run] - 1, sampling, scale, least);
+    // Flanks are not looked for beyond a step.
+    std::uint32_t first = begin, last = profile.ends[run] - 1;
+    if (wall > 0 && walls_[wall - 1].step && walls_[wall - 1].last < vertex.k) first = std::max(first, walls_[wall - 1].last);
+    if (wall < walls_.size() && walls_[wall].step && walls_[wall].first > vertex.k) last = std::min(last, walls_[wall].first);
+    add_vertex(profile, vertex, first, last, sampling, scale, least);
   }
   sort(out);
   std::swap(found_, out);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/feature/feature_stage.hpp"
 
+#include "pipeline/feature/averaging.hpp"
 #include "pipeline/feature/line_finder.hpp"
 #include "pipeline/feature/patch_grower.hpp"
 #include "pipeline/feature/publisher.hpp"
@@ -37,22 +38,26 @@ Vector3 origin_mm(const std::array<std::int64_t, 3>& origin, double resolution) 
 
 struct FeatureStage::Impl {
   Impl(Rational resolution_mm, const std::array<std::int64_t, 3>& counts, const FeatureSettings& settings)
-      : resolution(resolution_mm.value()), estimator(settings, resolution_mm.value()), spikes(resolution_mm),
-        finder(settings.linking), publisher(origin_mm(counts, resolution)), origin(origin_mm(counts, resolution)) {}
+      : resolution(resolution_mm.value()), estimator(settings, resolution_mm.value()),
+        pair_estimator(averaged(settings), resolution_mm.value()), ranker(resolution_mm), finder(settings.linking),
+        publisher(origin_mm(counts, resolution)), origin(origin_mm(counts, resolution)) {}
 
   void take(const LineGroup& group, const ScanLine& line, std::span<const double> distance, RawLine& out) const;
   void begin(FeatureReport& report);
   void process(const RawLine& line, FeatureReport& report);
   void publish(FeatureReport& report);
+  /// The sampling in which features are looked for.
+  [[nodiscard]] Sampling looked_at() const { return averages ? pair_estimator.value() : estimator.value(); }
 
   double resolution;
   FrameFinder frame_finder;
   std::optional<Frame> frame;
   std::vector<RawLine> waiting; ///< the first lines, until the frame is known
   RawLine raw;
-  Profile profile;
-  SamplingEstimator estimator;
-  SpikeFilter spikes;
+  Profile profile, pairs;
+  bool averages = false;                       ///< features are looked for in pairs of samples
+  SamplingEstimator estimator, pair_estimator; ///< noise that hangs together falls less in pairs than it should
+  ProfileRanker ranker;
   LineFinder finder;
   Publisher publisher;
   Vector3 origin;
@@ -91,6 +96,13 @@ void FeatureStage::Impl::begin(FeatureReport& report) {
     make_profile(line, *frame, profile);
     estimator.add(profile);
   }
+  averages = wants_averaging(estimator.value());
+  for (const RawLine& line : waiting) {
+    if (!averages) break;
+    make_profile(line, *frame, profile);
+    average_pairs(profile, estimator.value(), ranker, pairs);
+    pair_estimator.add(pairs);
+  }
   for (const RawLine& line : waiting) process(line, report);
   waiting.clear();
 }
@@ -101,7 +113,7 @@ void FeatureStage::Impl::process(const RawLine& line, FeatureReport& report) {
   if (profile.size() < 2) return;
   const Sampling sampling = estimator.value();
   if (last_c && profile.c < *last_c - kSamePlace * sampling.spacing) {
-    finder.finish(sampling, FeatureEnd::gap, curves);
+    finder.finish(looked_at(), FeatureEnd::gap, curves);
     publish(report);
     patches->finish(sampling, report);
     patches->restart();
@@ -111,8 +123,9 @@ void FeatureStage::Impl::process(const RawLine& line, FeatureReport& report) {
     return;
   }
   last_c = profile.c;
-  spikes.clean(profile, sampling.noise);
-  finder.add(profile, sampling, curves);
+  clean_spikes(profile, sampling.noise, averages ? nullptr : &ranker);
+  if (averages) average_pairs(profile, sampling, ranker, pairs);
+  finder.add(averages ? pairs : profile, looked_at(), curves);
   patches->hold(profile);
   // By lines and not by groups: what is found must not depend on how lines are grouped.
   if (finder.has_settled()) publish(report);
@@ -143,6 +156,7 @@ void FeatureStage::add(const LineGroup& group, std::span<const double> distance,
     if (m.frame) {
       m.process(m.raw, report);
       m.estimator.add(m.profile);
+      if (m.averages) m.pair_estimator.add(m.pairs);
       continue;
     }
     m.frame_finder.add(m.raw.x, m.raw.y, m.raw.z);
@@ -157,7 +171,7 @@ void FeatureStage::finish(FeatureReport& report) {
   Impl& m = *impl_;
   if (!m.frame && m.frame_finder.lines() > 0) m.begin(report);
   if (!m.frame) return;
-  m.finder.finish(m.estimator.value(), FeatureEnd::open, m.curves);
+  m.finder.finish(m.looked_at(), FeatureEnd::open, m.curves);
   m.publish(report);
   m.patches->finish(m.estimator.value(), report);
 }

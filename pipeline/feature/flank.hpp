@@ -21,8 +21,9 @@ struct Flank {
   [[nodiscard]] double at(double place) const noexcept { return w + slope * (place - s); }
 };
 
-/// The first straight stretch of `window` samples from sample `from` outwards, up to sample `to` (included; below `from`: to
-/// the left), at most `most_gap` samples away. The straightest one when none is straight.
+/// The first straight stretch of `window` samples or more from sample `from` outwards, up to sample `to` (included; below
+/// `from`: to the left), at most `most_gap` samples away; long enough to be no part of an arc, or the first of a few samples
+/// when there is none, or the straightest one. Without a gap: the `window` samples beside `from`.
 [[nodiscard]] Flank find_flank(const Heights& heights, std::uint32_t from, std::uint32_t to, std::uint32_t window,
                                std::uint32_t most_gap, const FitScale& scale);
 

@@ -5,13 +5,12 @@
 #include "pipeline/feature/patch_graph.hpp"
 #include "pipeline/feature/sampling.hpp"
 
+#include <vector>
+
 namespace scansion {
 
-/// The label of patch `id` by its borders, and how much of them is backed by feature lines.
-struct Labelled {
-  FormKind kind = FormKind::face;
-  double confidence = 0.0;
-};
-[[nodiscard]] Labelled label_patch(PatchGraph& graph, std::uint32_t id, const Patch& patch, const Sampling& sampling);
+/// Labels patch `id` by what it borders on, and adds the form features that are complete with it to `forms`: each once, with
+/// its floor, top or larger flank first, a step with its upper level first.
+[[nodiscard]] FormKind name_forms(PatchGraph& graph, std::uint32_t id, const Sampling& sampling, std::vector<Form>& forms);
 
 } // namespace scansion

@@ -183,32 +183,33 @@ double arc_error(const Heights& h, std::uint32_t l, std::uint32_t r) noexcept {
 }
 
 // Replaces the fits a side by those of the straight flanks beyond a rounding, when there is one: the edge of a fillet is where
-// its flanks would meet. The rounding hides the neighbours that the ranking gave, so only the run bounds the search.
-void reach_flanks(Bend& bend, const Heights& h, std::uint32_t k, std::uint32_t first, std::uint32_t last,
+// its flanks would meet. The rounding hides the neighbours that the ranking gave, so only the run bounds the search. False: it
+// rounds so widely that there is no edge.
+bool reach_flanks(Bend& bend, const Heights& h, std::uint32_t k, std::uint32_t first, std::uint32_t last,
                   const FitScale& scale) {
   constexpr double kLargest = 1.6; // of the gap a fillet may have against the least
   constexpr double kSharpest = 12.0;
   const std::uint32_t window = std::clamp(bend.window, scale.least_window, 2 * scale.least_window);
-  if (k - first < 4 || last - k < 4) return;
+  if (k - first < 4 || last - k < 4) return true;
   const auto most = static_cast<std::uint32_t>(std::min(400.0, std::ceil(kLargest * scale.arc_radius / scale.pitch)));
   const Flank l = find_flank(h, k - 1, first, window, most, scale);
   const Flank r = find_flank(h, k + 1, last, window, most, scale);
-  if (!(l.rounded || r.rounded) || !l.straight || !r.straight || l.samples < 4 || r.samples < 4) return;
-  if (l.chamfered || r.chamfered) return;
-  if (std::abs(l.slope - r.slope) < 1e-9) return;
+  if (!(l.rounded || r.rounded) || !l.straight || !r.straight || l.samples < 4 || r.samples < 4) return true;
+  if (l.chamfered || r.chamfered) return true;
+  if (std::abs(l.slope - r.slope) < 1e-9) return true;
   const double u = ((r.w - r.slope * (r.s - bend.s)) - (l.w - l.slope * (l.s - bend.s))) / (l.slope - r.slope);
   const double s = bend.s + u;
   // The flanks meet over the rounding between them.
   const double low = h.s[k - 1 - l.gap] - scale.pitch, high = h.s[k + 1 + r.gap] + scale.pitch;
-  if (s < low || s > high) return;
+  if (s < low || s > high) return true;
   const double before_angle = std::atan(l.slope) * kDegrees, after_angle = std::atan(r.slope) * kDegrees;
   const double tau = after_angle - before_angle;
-  if ((tau < 0.0) != (bend.tau < 0.0) || std::abs(tau) < std::abs(bend.tau)) return;
+  if ((tau < 0.0) != (bend.tau < 0.0) || std::abs(tau) < std::abs(bend.tau)) return true;
   // Tangent length over the tangent of half the turning: the radius.
   const double tangent =
       0.5 * (h.s[k + 1 + r.gap] - h.s[k - 1 - l.gap]) / std::max(0.1, std::cos(0.5 * (before_angle + after_angle) / kDegrees));
   const double radius = tangent / std::tan(std::min(89.0, 0.5 * std::abs(tau)) / kDegrees);
-  if (radius > scale.arc_radius) return;
+  if (radius > scale.arc_radius) return false;
   const std::uint32_t from = k - 1 - l.gap - (l.samples - 1), to = k + 1 + r.gap + (r.samples - 1);
   const double n = to - from + 1;
   const double floor = n * (scale.noise * scale.noise + 2.5e-7);
@@ -220,6 +221,7 @@ void reach_flanks(Bend& bend, const Heights& h, std::uint32_t k, std::uint32_t f
   bend.tau = tau;
   bend.window = std::max(bend.window, std::max(l.gap + l.samples, r.gap + r.samples));
   bend.rounding = radius;
+  return true;
 }
 
 } // namespace
@@ -272,7 +274,7 @@ std::optional<Bend> find_bend(const Heights& heights, std::uint32_t k, const Rea
   }
   if (!best || (arc && best->sharpness < kSureCorner)) return std::nullopt;
   if (std::abs(best->tau) < kLeastTurning || best->significance() < kLeastSignificance) return std::nullopt;
-  reach_flanks(*best, heights, k, reach.first, reach.last, scale);
+  if (!reach_flanks(*best, heights, k, reach.first, reach.last, scale)) return std::nullopt;
   if (best->misfit > kMisfit && best->rounding == 0.0 && std::abs(best->tau) < kStrong) return std::nullopt;
   return best;
 }

@@ -11,47 +11,58 @@
 
 namespace scansion {
 
-/// The border of one patch with another, lengths in mm.
+/// The border of one patch with another, lengths in mm. A patch may border on itself: a crease that ends inside of it.
 struct Border {
   std::array<double, 3> length{}; ///< by BorderKind: convex, concave, step
   double backed = 0.0;            ///< of these, backed by points of feature lines
   double contact = 0.0;           ///< where nothing cuts them apart
-  double height = 0.0;            ///< integral of (this patch's height - the other's) over the border's length
+  double height = 0.0;            ///< integral of (this patch's height - the other's) along the border, steps only
+  std::array<double, 3> rim{};    ///< integral of this patch's own (s, c, w) along the border
+  double gap = 1e300;             ///< between the nearest two samples, in space
   [[nodiscard]] double total() const noexcept { return length[0] + length[1] + length[2]; }
+  void add(const Border& other) noexcept;
 };
 
-/// Thread-bound. Ids are handed out in order; patches that are done are forgotten.
+struct PatchNode {
+  PatchSums sums;
+  std::map<std::uint32_t, Border> borders; ///< by the other patch's id
+  double open = 0.0;                       ///< border on the end of the data, mm
+  std::int64_t last_row = 0;
+  double s_low = 1e300, s_high = -1e300, c_low = 1e300, c_high = -1e300;
+  bool doubtful = false;
+  bool closed = false;                 ///< no further sample comes
+  bool settled = false;                ///< published, with its form
+  FormKind form = FormKind::face;      ///< of the form feature, already published, whose top, floor or flank it is
+  Border past_inside, past_outside;    ///< borders with patches that are forgotten: enclosed by this one, and others
+  std::vector<std::uint32_t> past;     ///< their ids, not more than kMostPast
+  std::vector<std::uint32_t> steps_to; ///< patches with which it makes a step that is published
+  static constexpr std::size_t kMostPast = 1024;
+
+  [[nodiscard]] bool encloses(const PatchNode& other) const noexcept {
+    return other.s_low > s_low && other.s_high < s_high && other.c_low > c_low && other.c_high < c_high;
+  }
+};
+
+/// A disjoint-set forest whose lowest id is the patch. Borders always bear the ids in force. Thread-bound.
 class PatchGraph {
 public:
-  struct Node {
-    std::uint32_t parent = 0; ///< itself for a patch of its own
-    PatchSums sums;
-    std::map<std::uint32_t, Border> borders; ///< by the other patch's id, which may be out of date: see find()
-    double open = 0.0;                       ///< border on the end of the data, mm
-    std::int64_t last_row = 0;
-    double width_rows = 0.0, rows = 0.0; ///< sum of widths along the lines, rows seen
-    double s_low = 0.0, s_high = 0.0, c_low = 0.0, c_high = 0.0;
-    double slope = 0.0; ///< steepest of its planes met, degrees
-    bool doubtful = false;
-    std::uint32_t nearest = 0; ///< patch that stands nearest on a line, and how near
-    double nearest_gap = 0.0;
-    bool has_nearest = false;
-    bool published = false;
-  };
-
   [[nodiscard]] std::uint32_t create(std::int64_t row);
-  [[nodiscard]] std::uint32_t find(std::uint32_t id);
-  [[nodiscard]] Node& node(std::uint32_t id) { return nodes_.at(find(id)); }
-  /// Both belong together from now on; the lower id stays. Returns it.
-  std::uint32_t unite(std::uint32_t a, std::uint32_t b, std::vector<PatchMerge>& merges);
-  /// Borders of one patch by the ids in force.
-  [[nodiscard]] std::map<std::uint32_t, Border> borders_of(std::uint32_t id);
-  void forget(std::uint32_t id) { nodes_.erase(id); }
-  [[nodiscard]] std::map<std::uint32_t, Node>& nodes() noexcept { return nodes_; }
+  /// The id in force; only of patches united since resolve().
+  [[nodiscard]] std::uint32_t find(std::uint32_t id) const;
+  /// Nobody holds an id from before any more.
+  void resolve() noexcept { aliases_.clear(); }
+  [[nodiscard]] PatchNode& node(std::uint32_t id) { return nodes_.at(id); }
+  [[nodiscard]] const PatchNode& node(std::uint32_t id) const { return nodes_.at(id); }
   [[nodiscard]] bool knows(std::uint32_t id) const { return nodes_.contains(id); }
+  [[nodiscard]] const std::map<std::uint32_t, PatchNode>& nodes() const noexcept { return nodes_; }
+  /// Both, by the ids in force, belong together from now on. Returns the id that stays.
+  std::uint32_t unite(std::uint32_t a, std::uint32_t b, std::vector<PatchMerge>& merges);
+  /// A settled patch: its neighbours keep only sums of it.
+  void forget(std::uint32_t id);
 
 private:
-  std::map<std::uint32_t, Node> nodes_;
+  std::map<std::uint32_t, PatchNode> nodes_;
+  std::map<std::uint32_t, std::uint32_t> aliases_;
   std::uint32_t next_ = 0;
 };
 

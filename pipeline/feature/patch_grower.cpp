@@ -6,37 +6,36 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace scansion {
 
 namespace {
 
-constexpr double kDropout = 3.5;        // pitches between samples that still belong together
-constexpr std::int64_t kCloseAfter = 2; // rows without a sample
-constexpr double kSmall = 25.0;         // samples: fewer are no patch
-constexpr double kLarge = 100.0;        // samples: a patch that is not given up for a narrow contact
-constexpr double kNarrow = 0.25;        // of a border: a contact below this joins nothing
+constexpr double kDropout = 3.5;            // pitches between samples that still belong together
+constexpr std::int64_t kCloseAfter = 2;     // rows without a sample
+constexpr std::int64_t kSettleAfter = 48;   // rows: by then small neighbours are dissolved
+constexpr std::int64_t kSettleAtLast = 256; // rows: neighbours that still grow are taken as they are
+constexpr std::int64_t kForgetAtLast = 512; // rows
+constexpr double kSmall = 25.0;             // samples: fewer are no patch
+constexpr double kLarge = 100.0;            // samples: a patch that is not given up for a narrow contact
+constexpr double kNarrow = 0.25;            // of a border: a contact below this joins nothing
+constexpr double kFar = 3.6;                // spacings between rows that have nothing to do with each other
 
 } // namespace
 
 void PatchGrower::hold(const Profile& profile) {
-  Row row;
+  PatchRow row;
   if (!spare_.empty()) {
     row = std::move(spare_.back());
     spare_.pop_back();
   }
-  row.line = profile.line;
-  row.c = profile.c;
-  row.turned = profile.turned;
-  row.s.assign(profile.s.begin(), profile.s.end());
-  row.w.assign(profile.w.begin(), profile.w.end());
-  row.source.assign(profile.source.begin(), profile.source.end());
-  row.ends.assign(profile.ends.begin(), profile.ends.end());
+  row.take(profile);
   rows_.push_back(std::move(row));
 }
 
 // Stretches of the row: ends of runs, dropouts and cuts part them.
-void PatchGrower::split(const Row& row, const Sampling& sampling) {
+void PatchGrower::split(const PatchRow& row, const Sampling& sampling) {
   now_.clear();
   std::uint32_t begin = 0;
   std::size_t cut = 0;
@@ -62,24 +61,17 @@ void PatchGrower::split(const Row& row, const Sampling& sampling) {
   }
 }
 
-// Unites the stretches of this row with those of the row before. Two patches that are already large are not united by a stretch
-// that merely touches both: one missing point of a feature line would do that.
-void PatchGrower::link(const Sampling& sampling, double pitch, FeatureReport& report) {
-  struct Contact {
-    std::size_t stretch = 0;
-    std::uint32_t patch = 0;
-    double open = 0.0, cut = 0.0;
-  };
-  std::vector<Contact> contacts;
-  std::vector<bool> has(now_.size(), false);
+// Where stretches of this row lie beside those of the row before: columns that nothing cuts, and columns that are cut.
+void PatchGrower::find_contacts() {
+  contacts_.clear();
   std::size_t first = 0;
   for (std::size_t i = 0; i < now_.size(); ++i) {
     const Stretch& b = now_[i];
-    while (first < above_.size() && above_[first].s_high < b.s_low - pitch) ++first;
+    while (first < above_.size() && above_[first].s_high < b.s_low - pitch_) ++first;
     for (std::size_t j = first; j < above_.size() && above_[j].s_low <= b.s_high; ++j) {
       const Stretch& a = above_[j];
-      const auto from = static_cast<std::int64_t>(std::ceil(std::max(a.s_low, b.s_low) / pitch));
-      const auto to = static_cast<std::int64_t>(std::floor(std::min(a.s_high, b.s_high) / pitch));
+      const auto from = static_cast<std::int64_t>(std::ceil(std::max(a.s_low, b.s_low) / pitch_));
+      const auto to = static_cast<std::int64_t>(std::floor(std::min(a.s_high, b.s_high) / pitch_));
       if (to < from) continue;
       const auto low =
           std::lower_bound(across_.begin(), across_.end(), from, [](const Cut& c, std::int64_t k) { return c.column < k; });
@@ -87,51 +79,122 @@ void PatchGrower::link(const Sampling& sampling, double pitch, FeatureReport& re
       const auto cut = static_cast<double>(high - low);
       const double open = static_cast<double>(to - from + 1) - cut;
       const double least = to - from + 1 <= 2 ? 1.0 : 2.0;
-      contacts.push_back({i, graph_.find(a.patch), open >= least ? open : 0.0, cut});
+      if (open >= least && open >= kNarrow * (open + cut)) contacts_.push_back({i, j, a.patch, open, cut});
     }
   }
+}
+
+// Would the two be joined over a contact that is short against the border that parts them?
+bool PatchGrower::is_leak(std::uint32_t a, std::uint32_t b, const Sampling& sampling) {
+  const PatchNode& node = graph_.node(a);
+  const auto at = node.borders.find(b);
+  if (at == node.borders.end() || at->second.total() <= 0.0) return false;
+  if (node.sums.count() < kLarge || graph_.node(b).sums.count() < kLarge) return false;
+  return at->second.contact < std::max(4.0 * sampling.coarse(), kNarrow * at->second.total());
+}
+
+// A stretch below two patches that a border parts shows that the border was missed here: it is held where it was, for a while.
+bool PatchGrower::hold_borders(const PatchRow& row, const Sampling& sampling) {
+  bool any = false;
+  std::vector<Stretch>& held = held_;
+  held.clear();
+  auto contact = contacts_.begin();
+  for (std::size_t i = 0; i < now_.size(); ++i) {
+    Stretch rest = now_[i];
+    for (; contact != contacts_.end() && contact->stretch == i; ++contact) {
+      const auto next = std::next(contact);
+      if (next == contacts_.end() || next->stretch != i || next->above != contact->above + 1) continue;
+      const Stretch& border = above_[next->above];
+      if (!border.cut_before || contact->patch == next->patch || !is_leak(contact->patch, next->patch, sampling)) continue;
+      const double s = border.cut.s + border.drift;
+      const auto begin = row.s.begin() + rest.first, end = row.s.begin() + rest.last + 1;
+      const auto after = static_cast<std::uint32_t>(std::lower_bound(begin, end, s) - row.s.begin());
+      if (after == rest.first || after > rest.last) continue;
+      Stretch left = rest;
+      left.last = after - 1;
+      left.s_high = row.s[after - 1];
+      held.push_back(left);
+      rest.first = after;
+      rest.s_low = row.s[after];
+      rest.cut_before = rest.held = true;
+      rest.cut = border.cut;
+      rest.cut.s = s;
+      rest.cut.backed = false;
+      rest.drift = border.drift;
+      for (const auto& [own, other] : {std::pair{contact->patch, next->patch}, std::pair{next->patch, contact->patch}}) {
+        graph_.node(own).borders[other].contact += sampling.spacing;
+        graph_.node(own).doubtful = true;
+      }
+      any = true;
+    }
+    held.push_back(rest);
+  }
+  std::swap(now_, held);
+  return any;
+}
+
+// How cuts move from row to row.
+void PatchGrower::follow_cuts() {
+  constexpr double kGain = 0.3;
+  std::size_t j = 1;
+  for (std::size_t i = 1; i < now_.size(); ++i) {
+    if (!now_[i].cut_before || now_[i].held) continue;
+    while (j < above_.size() && above_[j].s_high < now_[i].s_low) ++j;
+    for (const std::size_t k : {j, j + 1}) {
+      if (k >= above_.size() || !above_[k].cut_before || above_[k].patch != now_[i].patch) continue;
+      if (above_[k - 1].patch != now_[i - 1].patch) continue;
+      now_[i].drift = above_[k].drift + kGain * (now_[i].cut.s - above_[k].cut.s - above_[k].drift);
+      break;
+    }
+  }
+}
+
+// Unites the stretches of this row with those of the row before.
+void PatchGrower::link(const Sampling& sampling, FeatureReport& report) {
   // The widest open contact gives a stretch its patch.
+  auto contact = contacts_.begin();
   for (std::size_t i = 0; i < now_.size(); ++i) {
     const Contact* best = nullptr;
-    for (const Contact& c : contacts)
-      if (c.stretch == i && c.open > 0.0 && c.open >= kNarrow * (c.open + c.cut) && (best == nullptr || c.open > best->open))
-        best = &c;
+    for (; contact != contacts_.end() && contact->stretch == i; ++contact)
+      if (best == nullptr || contact->open > best->open) best = &*contact;
     now_[i].patch = best != nullptr ? best->patch : graph_.create(row_number_);
   }
-  for (const Contact& c : contacts) {
+  for (const Contact& c : contacts_) {
     const std::uint32_t own = graph_.find(now_[c.stretch].patch), other = graph_.find(c.patch);
-    if (own == other || c.open <= 0.0) continue;
-    if (c.open < kNarrow * (c.open + c.cut)) continue;
-    const Border known = graph_.node(own).borders[other];
-    const bool both_large = graph_.node(own).sums.count() >= kLarge && graph_.node(other).sums.count() >= kLarge;
-    const double contact = known.contact + sampling.spacing;
-    graph_.node(own).borders[other].contact = contact;
-    graph_.node(other).borders[own].contact = contact;
-    // Rows that touch both, against the border that parts them.
-    const double limit = std::max(4.0 * sampling.coarse(), kNarrow * known.total());
-    if (both_large && known.total() > 0.0 && contact < limit) {
-      graph_.node(own).doubtful = true;
+    if (own == other) continue;
+    if (is_leak(own, other, sampling)) {
+      for (const auto& [a, b] : {std::pair{own, other}, std::pair{other, own}}) {
+        graph_.node(a).borders[b].contact += sampling.spacing;
+        graph_.node(a).doubtful = true;
+      }
       continue;
     }
     graph_.unite(own, other, report.merges);
   }
 }
 
+void PatchGrower::note_border(std::uint32_t a, std::uint32_t b, const Cut& cut, double length, const Vector3& at_a,
+                              const Vector3& at_b) {
+  const bool inside = a == b; // a crease that ends inside a patch is one border, not two
+  const double height = cut.kind == BorderKind::step ? at_a[2] - at_b[2] : 0.0;
+  const double gap = std::hypot(at_a[0] - at_b[0], at_a[1] - at_b[1], at_a[2] - at_b[2]);
+  for (const bool turned : {false, true}) {
+    if (turned && inside) break;
+    Border& border = graph_.node(turned ? b : a).borders[turned ? a : b];
+    border.length[static_cast<std::size_t>(cut.kind)] += length;
+    if (cut.backed) border.backed += length;
+    border.height += (turned ? -height : height) * length;
+    border.gap = std::min(border.gap, gap);
+    for (std::size_t k = 0; k < 3; ++k) border.rim[k] += (turned ? at_b : at_a)[k] * length;
+  }
+}
+
 // Sums and borders of the stretches of the row.
-void PatchGrower::measure(const Row& row, const Sampling& sampling) {
-  const auto note = [&](std::uint32_t a, std::uint32_t b, const Cut& cut, double length, double height) {
-    const auto kind = static_cast<std::size_t>(cut.kind);
-    for (const bool turned : {false, true}) {
-      Border& border = graph_.node(turned ? b : a).borders[turned ? a : b];
-      border.length[kind] += length;
-      if (cut.backed) border.backed += length;
-      border.height += (turned ? -height : height) * length;
-    }
-  };
+void PatchGrower::measure(const PatchRow& row, const Sampling& sampling) {
   for (std::size_t i = 0; i < now_.size(); ++i) {
     Stretch& t = now_[i];
     t.patch = graph_.find(t.patch);
-    PatchGraph::Node& n = graph_.node(t.patch);
+    PatchNode& n = graph_.node(t.patch);
     const std::size_t count = t.last - t.first + 1;
     n.sums.add({row.s.data() + t.first, count}, {row.w.data() + t.first, count}, row.c);
     n.last_row = row_number_;
@@ -139,44 +202,51 @@ void PatchGrower::measure(const Row& row, const Sampling& sampling) {
     n.s_high = std::max(n.s_high, t.s_high);
     n.c_low = std::min(n.c_low, row.c);
     n.c_high = std::max(n.c_high, row.c);
-    if (i > 0 && t.cut_before) {
-      const std::uint32_t left = graph_.find(now_[i - 1].patch);
-      const double step = row.w[t.first] - row.w[now_[i - 1].last];
-      if (left != t.patch) note(t.patch, left, t.cut, sampling.spacing, t.cut.kind == BorderKind::step ? step : 0.0);
-      const double gap = std::hypot(row.s[t.first] - row.s[now_[i - 1].last], step);
-      for (const auto& [own, other] : {std::pair{t.patch, left}, std::pair{left, t.patch}}) {
-        PatchGraph::Node& node = graph_.node(own);
-        if (own == other || (node.has_nearest && node.nearest_gap <= gap)) continue;
-        node.nearest = other;
-        node.nearest_gap = gap;
-        node.has_nearest = true;
-      }
-    } else {
-      n.open += sampling.spacing;
-      if (i > 0) graph_.node(now_[i - 1].patch).open += sampling.spacing;
-    }
     if (i + 1 == now_.size()) n.open += sampling.spacing;
-  }
-  // Borders across the lines: columns that are cut, with the patch on either side.
-  std::size_t a = 0, b = 0;
-  for (const Cut& cut : across_) {
-    while (a < above_.size() && above_[a].s_high < cut.s) ++a;
-    while (b < now_.size() && now_[b].s_high < cut.s) ++b;
-    if (a == above_.size() || b == now_.size() || above_[a].s_low > cut.s || now_[b].s_low > cut.s) continue;
-    const std::uint32_t upper = graph_.find(above_[a].patch), lower = graph_.find(now_[b].patch);
-    if (upper == lower) continue;
-    const auto height_at = [&](const Row& r, const Stretch& t) {
-      const auto begin = r.s.begin() + t.first, end = r.s.begin() + t.last + 1;
-      auto it = std::lower_bound(begin, end, cut.s);
-      if (it == end) --it;
-      return r.w[static_cast<std::size_t>(it - r.s.begin())];
-    };
-    const double step = cut.kind == BorderKind::step ? height_at(row, now_[b]) - height_at(last_row_, above_[a]) : 0.0;
-    note(lower, upper, cut, pitch_, step);
+    if (i == 0) {
+      n.open += sampling.spacing;
+      continue;
+    }
+    const std::uint32_t left = now_[i - 1].patch;
+    if (!t.cut_before) {
+      if (left == t.patch) continue; // samples that are missing inside a patch
+      n.open += sampling.spacing;
+      graph_.node(left).open += sampling.spacing;
+      continue;
+    }
+    const Vector3 here{row.s[t.first], row.c, row.w[t.first]};
+    const Vector3 there{row.s[now_[i - 1].last], row.c, row.w[now_[i - 1].last]};
+    if (!t.held) note_border(t.patch, left, t.cut, sampling.spacing, here, there);
   }
 }
 
-void PatchGrower::emit(const Row& row, FeatureReport& report) const {
+// Borders across the lines: columns that are cut, with the patch on either side, and columns where one row has no sample.
+void PatchGrower::measure_across(const PatchRow& row, std::int64_t first_column) {
+  std::size_t a = 0, b = 0;
+  auto cut = across_.begin();
+  for (std::size_t i = 0; i < pairs_.size(); ++i) {
+    const ColumnPair& pair = pairs_[i];
+    while (pair.before != ColumnPair::kNone && above_[a].last < pair.before) ++a;
+    while (pair.now != ColumnPair::kNone && now_[b].last < pair.now) ++b;
+    const auto column = first_column + static_cast<std::int64_t>(i);
+    if (pair.before == ColumnPair::kNone || pair.now == ColumnPair::kNone) {
+      // Samples that are missing inside a row are no end of the data.
+      const double s = static_cast<double>(column) * pitch_;
+      const bool ends = s < std::max(row.s.front(), last_row_.s.front()) || s > std::min(row.s.back(), last_row_.s.back());
+      if (ends && pair.before != pair.now)
+        graph_.node(pair.now != ColumnPair::kNone ? now_[b].patch : above_[a].patch).open += pitch_;
+      continue;
+    }
+    while (cut != across_.end() && cut->column < column) ++cut;
+    if (cut == across_.end() || cut->column != column) continue;
+    const Vector3 here{row.s[pair.now], row.c, row.w[pair.now]};
+    const Vector3 there{last_row_.s[pair.before], last_row_.c, last_row_.w[pair.before]};
+    const std::uint32_t lower = now_[b].patch, upper = above_[a].patch;
+    note_border(lower, upper, *cut, pitch_, here, there);
+  }
+}
+
+void PatchGrower::emit(const PatchRow& row, FeatureReport& report) const {
   for (const Stretch& t : now_) {
     PatchRun run;
     run.line = row.line;
@@ -188,76 +258,119 @@ void PatchGrower::emit(const Row& row, FeatureReport& report) const {
   }
 }
 
+// A patch too small to be one goes to what stands nearest, again and again until it is large enough.
 void PatchGrower::dissolve(std::uint32_t id, FeatureReport& report) {
-  PatchGraph::Node& n = graph_.node(id);
-  if (!n.has_nearest || !graph_.knows(n.nearest)) return;
-  graph_.unite(id, n.nearest, report.merges);
+  while (graph_.node(id).closed && graph_.node(id).sums.count() < kSmall) {
+    const std::uint32_t* nearest = nullptr;
+    double gap = std::numeric_limits<double>::infinity();
+    for (const auto& [other, border] : graph_.node(id).borders) {
+      if (other == id || border.gap >= gap || graph_.node(other).settled) continue;
+      gap = border.gap;
+      nearest = &other;
+    }
+    if (nearest == nullptr) return;
+    id = graph_.unite(id, *nearest, report.merges);
+  }
 }
 
-void PatchGrower::publish(std::uint32_t id, const Sampling& sampling, FeatureReport& report) {
+// What a patch is depends on what it borders on.
+bool PatchGrower::is_ready(const PatchNode& node) const {
+  const std::int64_t rows = row_number_ - node.last_row;
+  if (!node.closed || node.settled || rows < kSettleAfter) return false;
+  return rows >= kSettleAtLast || std::all_of(node.borders.begin(), node.borders.end(),
+                                              [&](const auto& entry) { return graph_.node(entry.first).closed; });
+}
+
+void PatchGrower::settle(std::uint32_t id, const Sampling& sampling, FeatureReport& report) {
+  PatchNode& n = graph_.node(id);
+  n.settled = true;
   Patch patch;
   patch.id = id;
-  PatchGraph::Node& n = graph_.node(id);
   n.sums.describe(frame_, sampling, origin_, patch);
   patch.doubtful = n.doubtful;
-  for (const auto& [other, border] : graph_.borders_of(id))
-    if (border.total() > 0.0) patch.neighbours.push_back(other);
-  const Labelled label = label_patch(graph_, id, patch, sampling);
-  patch.label = label.kind;
-  n.published = true;
-  report.patches.push_back(patch);
-  const bool carries = label.kind == FormKind::rib || label.kind == FormKind::boss || label.kind == FormKind::slot ||
-                       label.kind == FormKind::pocket;
-  if (!carries) return;
-  Form form;
-  form.kind = label.kind;
-  form.confidence = label.confidence;
-  form.patches.push_back(id);
-  report.forms.push_back(std::move(form));
+  for (const auto& [other, border] : n.borders)
+    if (border.total() > 0.0 && other != id) patch.neighbours.push_back(other);
+  patch.neighbours.insert(patch.neighbours.end(), n.past.begin(), n.past.end());
+  patch.label = name_forms(graph_, id, sampling, report.forms);
+  report.patches.push_back(std::move(patch));
 }
 
-// Patches that the last rows did not touch are done.
-void PatchGrower::close(std::int64_t row, const Sampling& sampling, FeatureReport& report) {
-  std::vector<std::uint32_t> done;
-  for (auto& [id, node] : graph_.nodes())
-    if (node.parent == id && !node.published && row - node.last_row >= kCloseAfter) done.push_back(id);
-  for (const std::uint32_t id : done)
-    if (graph_.find(id) == id && graph_.node(id).sums.count() < kSmall) dissolve(id, report);
-  for (const std::uint32_t id : done)
-    if (graph_.find(id) == id && row - graph_.node(id).last_row >= kCloseAfter) publish(id, sampling, report);
+// Patches that the last rows did not touch are done; `all`: there are no further rows.
+void PatchGrower::close(const Sampling& sampling, bool all, FeatureReport& report) {
+  const auto ids_of = [&](const auto& which) {
+    ids_.clear();
+    for (const auto& [id, node] : graph_.nodes())
+      if (which(node)) ids_.push_back(id);
+  };
+  ids_of([&](const PatchNode& n) { return !n.closed && (all || row_number_ - n.last_row > kCloseAfter); });
+  for (const std::uint32_t id : ids_) graph_.node(id).closed = true;
+  for (const std::uint32_t id : ids_)
+    if (graph_.knows(id)) dissolve(id, report);
+  ids_of([&](const PatchNode& n) { return all ? !n.settled : is_ready(n); });
+  for (const std::uint32_t id : ids_) settle(id, sampling, report);
+  ids_of([&](const PatchNode& n) {
+    return n.settled && (all || row_number_ - n.last_row >= kForgetAtLast ||
+                         std::all_of(n.borders.begin(), n.borders.end(),
+                                     [&](const auto& entry) { return graph_.node(entry.first).settled; }));
+  });
+  for (const std::uint32_t id : ids_) graph_.forget(id);
+  for (Stretch& t : above_) t.patch = graph_.find(t.patch);
+  graph_.resolve();
 }
 
-void PatchGrower::assign(const Row& row, Cuts& cuts, const Sampling& sampling, FeatureReport& report) {
+void PatchGrower::assign(const PatchRow& row, const PatchRow* next, Cuts& cuts, const Sampling& sampling,
+                         FeatureReport& report) {
   if (pitch_ == 0.0) pitch_ = sampling.pitch;
   cuts.at(last_c_, row.c, pitch_, in_line_, across_);
-  const bool far = row_number_ > 0 && row.c - last_c_ > 3.6 * sampling.spacing;
-  if (far) above_.clear();
+  if (!above_.empty() && row.c - last_c_ > kFar * sampling.spacing) end_rows();
+  const bool begins = above_.empty();
+  jumps_.in_line(row, sampling, in_line_);
+  std::int64_t first_column = 0;
+  pairs_.clear();
+  if (!begins) {
+    first_column = pair_columns(last_row_, row, pitch_, pairs_);
+    jumps_.across(last_row_, row, next, first_column, pairs_, pitch_, sampling, across_);
+  }
   split(row, sampling);
-  link(sampling, pitch_, report);
+  find_contacts();
+  if (hold_borders(row, sampling)) find_contacts();
+  link(sampling, report);
+  for (Stretch& t : above_) t.patch = graph_.find(t.patch);
+  follow_cuts();
   measure(row, sampling);
+  measure_across(row, first_column);
+  if (begins)
+    for (const Stretch& t : now_) graph_.node(t.patch).open += t.s_high - t.s_low;
   emit(row, report);
+  graph_.resolve();
   std::swap(above_, now_);
   last_c_ = row.c;
   ++row_number_;
 }
 
+// Nothing follows the last row.
+void PatchGrower::end_rows() {
+  for (const Stretch& t : above_) graph_.node(t.patch).open += t.s_high - t.s_low;
+  above_.clear();
+  jumps_.restart();
+}
+
 void PatchGrower::advance(double complete, Cuts& cuts, const Sampling& sampling, FeatureReport& report) {
   while (!rows_.empty() && rows_.front().c <= complete) {
-    assign(rows_.front(), cuts, sampling, report);
+    assign(rows_.front(), rows_.size() > 1 ? &rows_[1] : nullptr, cuts, sampling, report);
     spare_.push_back(std::move(last_row_));
     last_row_ = std::move(rows_.front());
     rows_.pop_front();
   }
-  close(row_number_ - 1, sampling, report);
+  close(sampling, false, report);
 }
 
 void PatchGrower::finish(const Sampling& sampling, FeatureReport& report) {
-  // Two passes: small patches go first, and what they go to is then complete.
-  close(row_number_ + kCloseAfter, sampling, report);
+  end_rows();
+  close(sampling, true, report);
 }
 
 void PatchGrower::restart() {
-  above_.clear();
   last_c_ = -1e300;
 }
 

@@ -3,15 +3,17 @@
 #pragma once
 
 #include "pipeline/feature/cuts.hpp"
+#include "pipeline/feature/jumps.hpp"
 #include "pipeline/feature/patch_graph.hpp"
-#include "pipeline/feature/profile.hpp"
+#include "pipeline/feature/patch_row.hpp"
 
 #include <deque>
 #include <vector>
 
 namespace scansion {
 
-/// Lines wait here until the cuts around them are known. Thread-bound.
+/// Lines wait here until the cuts around them are known; patches that are done wait until what lies around them is.
+/// Thread-bound.
 class PatchGrower {
 public:
   PatchGrower(const Frame& frame, const Vector3& origin) : frame_(frame), origin_(origin) {}
@@ -26,41 +28,54 @@ public:
   void restart();
 
 private:
-  struct Row {
-    std::uint64_t line = 0;
-    double c = 0.0;
-    bool turned = false;
-    std::vector<double> s, w;
-    std::vector<std::uint32_t> source, ends;
-  };
   /// A stretch of the row between cuts.
   struct Stretch {
     std::uint32_t first = 0, last = 0; // samples, both included
     std::uint32_t patch = 0;
     double s_low = 0.0, s_high = 0.0;
-    bool cut_before = false; // by a feature line, else by the end of the data
+    bool cut_before = false; // by a feature line or a wall, else by the end of the data
+    bool held = false;       // the cut was not seen, but known from the row before
+    double drift = 0.0;      // of the cut, mm a row
     Cut cut;
   };
+  struct Contact {
+    std::size_t stretch = 0, above = 0;
+    std::uint32_t patch = 0;
+    double open = 0.0, cut = 0.0;
+  };
 
-  void assign(const Row& row, Cuts& cuts, const Sampling& sampling, FeatureReport& report);
-  void split(const Row& row, const Sampling& sampling);
-  void link(const Sampling& sampling, double pitch, FeatureReport& report);
-  void measure(const Row& row, const Sampling& sampling);
-  void close(std::int64_t row, const Sampling& sampling, FeatureReport& report);
+  void assign(const PatchRow& row, const PatchRow* next, Cuts& cuts, const Sampling& sampling, FeatureReport& report);
+  void split(const PatchRow& row, const Sampling& sampling);
+  void find_contacts();
+  bool hold_borders(const PatchRow& row, const Sampling& sampling);
+  [[nodiscard]] bool is_leak(std::uint32_t a, std::uint32_t b, const Sampling& sampling);
+  void follow_cuts();
+  void link(const Sampling& sampling, FeatureReport& report);
+  void measure(const PatchRow& row, const Sampling& sampling);
+  void measure_across(const PatchRow& row, std::int64_t first_column);
+  void note_border(std::uint32_t a, std::uint32_t b, const Cut& cut, double length, const Vector3& at_a, const Vector3& at_b);
+  void end_rows();
+  void emit(const PatchRow& row, FeatureReport& report) const;
+
+  void close(const Sampling& sampling, bool all, FeatureReport& report);
   void dissolve(std::uint32_t id, FeatureReport& report);
-  void publish(std::uint32_t id, const Sampling& sampling, FeatureReport& report);
-  void emit(const Row& row, FeatureReport& report) const;
+  [[nodiscard]] bool is_ready(const PatchNode& node) const;
+  void settle(std::uint32_t id, const Sampling& sampling, FeatureReport& report);
 
   Frame frame_;
   Vector3 origin_;
   PatchGraph graph_;
-  std::deque<Row> rows_;
-  std::vector<Row> spare_;
-  std::vector<Stretch> above_, now_;
+  Jumps jumps_;
+  std::deque<PatchRow> rows_;
+  std::vector<PatchRow> spare_;
+  std::vector<Stretch> above_, now_, held_;
+  std::vector<Contact> contacts_;
+  std::vector<ColumnPair> pairs_;
   std::vector<Cut> in_line_, across_;
-  Row last_row_;
+  PatchRow last_row_;
   double last_c_ = -1e300, pitch_ = 0.0;
   std::int64_t row_number_ = 0;
+  std::vector<std::uint32_t> ids_; // scratch
 };
 
 } // namespace scansion

@@ -89,6 +89,35 @@ double PatchSums::lifted(std::size_t i, std::size_t j, double s0, double c0, dou
   return sum;
 }
 
+PatchPlane PatchSums::plane() const noexcept {
+  PatchPlane out;
+  const double n = count();
+  out.s = s_[1][0] / n;
+  out.c = s_[0][1] / n;
+  out.w = w_[0][0] / n;
+  const double ss = moment(2, 0, out.s, out.c), sc = moment(1, 1, out.s, out.c), cc = moment(0, 2, out.s, out.c);
+  const double sw = lifted(1, 0, out.s, out.c, out.w), cw = lifted(0, 1, out.s, out.c, out.w);
+  const double det = ss * cc - sc * sc;
+  if (det > 1e-9 * ss * cc && det > 0.0) {
+    out.gs = (sw * cc - cw * sc) / det;
+    out.gc = (cw * ss - sw * sc) / det;
+  } else if (ss >= cc && ss > 0.0) {
+    out.gs = sw / ss;
+  } else if (cc > 0.0) {
+    out.gc = cw / cc;
+  }
+  return out;
+}
+
+std::pair<double, double> PatchSums::box() const noexcept {
+  const double n = count();
+  const double s0 = s_[1][0] / n, c0 = s_[0][1] / n;
+  const double ss = moment(2, 0, s0, c0) / n, sc = moment(1, 1, s0, c0) / n, cc = moment(0, 2, s0, c0) / n;
+  const double middle = 0.5 * (ss + cc), spread = std::hypot(0.5 * (ss - cc), sc);
+  const auto side = [](double variance) { return std::sqrt(12.0 * std::max(0.0, variance)); };
+  return {side(middle + spread), side(middle - spread)};
+}
+
 void PatchSums::describe(const Frame& frame, const Sampling& sampling, const Vector3& origin, Patch& out) const {
   const double n = count();
   const double s0 = s_[1][0] / n, c0 = s_[0][1] / n, w0 = w_[0][0] / n;

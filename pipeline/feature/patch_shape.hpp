@@ -9,8 +9,16 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <utility>
 
 namespace scansion {
+
+/// w over (s, c) by least squares, mm.
+struct PatchPlane {
+  double s = 0.0, c = 0.0, w = 0.0; ///< centroid
+  double gs = 0.0, gc = 0.0;        ///< slopes
+  [[nodiscard]] double at(double s_at, double c_at) const noexcept { return w + gs * (s_at - s) + gc * (c_at - c); }
+};
 
 /// Power sums of (s, c, w), mm. Adding runs and adding sums of other patches give the same.
 class PatchSums {
@@ -19,8 +27,9 @@ public:
   void add(std::span<const double> s, std::span<const double> w, double c) noexcept;
   void add(const PatchSums& other) noexcept;
   [[nodiscard]] double count() const noexcept { return s_[0][0]; }
-  /// Mean height.
-  [[nodiscard]] double height() const noexcept { return w_[0][0] / s_[0][0]; }
+  [[nodiscard]] PatchPlane plane() const noexcept;
+  /// Length and width of the rectangle in plan with the same spread.
+  [[nodiscard]] std::pair<double, double> box() const noexcept;
   /// Fills shape, area, centroid, normal and residuals.
   void describe(const Frame& frame, const Sampling& sampling, const Vector3& origin, Patch& out) const;
 

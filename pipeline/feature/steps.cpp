@@ -37,6 +37,15 @@ struct WallTest {
   }
 };
 
+constexpr double kUpright = 0.6; // of its height: a wall that falls this far within one interval stands in it
+
+std::uint32_t steepest_interval(const Heights& h, std::uint32_t first, std::uint32_t last) noexcept {
+  std::uint32_t best = first;
+  for (std::uint32_t k = first + 1; k < last; ++k)
+    if (std::abs(h.w[k + 1] - h.w[k]) > std::abs(h.w[best + 1] - h.w[best])) best = k;
+  return best;
+}
+
 // The slope of the wall itself.
 double wall_slope(const Heights& h, std::uint32_t first, std::uint32_t last) noexcept {
   double s = 0.0, w = 0.0, uu = 0.0, uv = 0.0;
@@ -95,7 +104,10 @@ void StepFinder::measure(const Heights& h, WallRun& wall, std::uint32_t low, std
   const auto edge_after = std::min(b, static_cast<std::uint32_t>(h.size() - 1));
   double s_before = 0.5 * (h.s[edge_before] + h.s[edge_after]), s_after = s_before;
   double slope = std::copysign(1e3, after.at(middle) - before.at(middle));
-  if (b >= a + 2) {
+  const std::uint32_t steepest = steepest_interval(h, wall.first, wall.last);
+  if (std::abs(h.w[steepest + 1] - h.w[steepest]) > kUpright * height && b < a + 4 && before.gap + after.gap > 0) {
+    s_before = s_after = 0.5 * (h.s[steepest] + h.s[steepest + 1]);
+  } else if (b >= a + 2) {
     // The rounded ends of a wall are less steep than its middle.
     const std::uint32_t trim_a = before.gap > 0 && b - a > 3 ? a + 1 : a, trim_b = after.gap > 0 && b - a > 3 ? b - 1 : b;
     const double steep = wall_slope(h, trim_a, trim_b);

@@ -9,9 +9,10 @@ namespace scansion {
 
 namespace {
 
-constexpr double kSteep = 40.0;   // degrees to the scan lines: a lengthwise track above this is trusted alone
-constexpr double kShallow = 52.0; // a crosswise track above this is not
-constexpr double kBeside = 1.3;   // pitches, spacings
+constexpr double kSteep = 40.0;          // degrees to the scan lines: a lengthwise track above this is trusted alone
+constexpr double kShallow = 52.0;        // a crosswise track above this is not
+constexpr double kBeside = 1.3;          // pitches, spacings
+constexpr double kShallowTurning = 15.0; // degrees: a lengthwise track below kSteep must turn more
 
 } // namespace
 
@@ -72,7 +73,9 @@ void Union::decide(std::span<Track* const> tracks, double settled, const Samplin
     if (n.point->verdict != Verdict::open || n.c > settled) continue;
     const bool steep = n.track->angle_to_lines(index(n)) >= kSteep;
     const bool twin = is_covered(lengthwise_, n, kBeside * sampling.pitch, 0.5 * sampling.spacing, true);
-    const bool drop = twin || (!steep && is_covered(crosswise_, n, reach, reach, false));
+    // The section of a rounding is so long here that its polygon shows.
+    const bool weak = std::abs(n.point->feature.tau) < kShallowTurning;
+    const bool drop = twin || (!steep && (weak || is_covered(crosswise_, n, reach, reach, false)));
     n.point->verdict = drop ? Verdict::dropped : Verdict::kept;
   }
   for (const Near& n : crosswise_) {

@@ -21,7 +21,7 @@ struct FaultSpec {
 [[nodiscard]] Result<FaultSpec> parse_fault(std::string_view text);
 
 /// Kinds that work on the bytes of any device:
-///   unplug   the port vanishes; after `for` seconds it is back and the device starts anew
+///   unplug   the port vanishes; after `for` seconds it is back and the device starts anew, unless power=1: it went on
 ///   cut      the connection ends; a host may come back at once
 ///   mute     nothing comes from the device
 ///   garbage  `count` random bytes (100) come, once

@@ -46,7 +46,7 @@ private:
       if (!FaultPlan::is_of_port(kind)) {
         SCANSION_TRY(device_.fault(*change.fault, change.starts, now()));
       } else if (kind == "unplug") {
-        SCANSION_TRY(plug(!change.starts));
+        SCANSION_TRY(plug(!change.starts, change.fault->value("power", 0.0) != 0.0));
       } else if (change.starts && kind == "cut") {
         pending_.clear();
         port_.cut();
@@ -60,7 +60,7 @@ private:
     return success();
   }
 
-  Result<void> plug(bool in) {
+  Result<void> plug(bool in, bool keeps_power) {
     if (in == is_plugged_) return success();
     is_plugged_ = in;
     pending_.clear();
@@ -69,7 +69,7 @@ private:
       device_.disconnected(now());
       return success();
     }
-    device_.power_up(now());
+    if (!keeps_power) device_.power_up(now());
     return port_.plug();
   }
 

@@ -33,8 +33,12 @@ struct Mean {
       sum.angle_mm[k] += s.angle_mm[k];
       sum.angle_found_mm[k] += s.angle_found_mm[k];
     }
-    sum.forms += s.forms;
-    sum.forms_named += s.forms_named;
+    for (std::size_t k = 0; k < kFormKinds; ++k) {
+      sum.forms[k].there += s.forms[k].there;
+      sum.forms[k].named += s.forms[k].named;
+      sum.forms[k].said += s.forms[k].said;
+      sum.forms[k].right += s.forms[k].right;
+    }
     if (!s.has_patches) return;
     with_patches += 1.0;
     sum.rand_index += s.rand_index;
@@ -51,9 +55,9 @@ struct Mean {
       &Score::position_mean,    &Score::position_95, &Score::longest,         &Score::fragments};
 };
 
-const std::vector<std::string> kColumns{"scans", "F1",      "strict", "precision", "recall", "polarity", "pos",
-                                        "pos95", "longest", "pieces", "rand",      "forms",  "false mm", "0-20",
-                                        "20-40", "40-60",   "60-80",  "80-90",     "ns/pt"};
+const std::vector<std::string> kColumns{"scans", "F1",      "strict", "precision", "recall", "polarity",    "pos",
+                                        "pos95", "longest", "pieces", "rand",      "forms",  "false forms", "false mm",
+                                        "0-20",  "20-40",   "40-60",  "60-80",     "80-90",  "ns/pt"};
 
 std::vector<Cell> row_of(const std::string& name, const Mean& m) {
   std::vector<Cell> cells{name};
@@ -63,7 +67,9 @@ std::vector<Cell> row_of(const std::string& name, const Mean& m) {
   }
   cells.emplace_back(Figure{m.of(&Score::fragments), 2});
   cells.push_back(m.with_patches > 0.0 ? Cell(Figure{m.rand_index(), 3}) : Cell());
-  cells.emplace_back(std::to_string(m.sum.forms_named) + "/" + std::to_string(m.sum.forms));
+  const score::FormCount forms = score::sum_of(m.sum.forms);
+  cells.emplace_back(std::to_string(forms.named) + "/" + std::to_string(forms.there));
+  cells.emplace_back(std::to_string(forms.said - forms.right));
   cells.emplace_back(Figure{m.of(&Score::false_mm), 1});
   for (std::size_t k = 0; k < score::kAngleClasses; ++k) {
     cells.push_back(m.sum.angle_mm[k] > 0.0 ? Cell(Figure{m.angle(k), 2}) : Cell());
@@ -113,6 +119,11 @@ struct Sweep {
   Mean all;
 };
 
+/// Of scans of the part without a feature.
+struct Smooth {
+  double worst_mm = 0.0, forms = 0.0, scans = 0.0;
+};
+
 Result<void> run_one(const FeatureCase& one, const FeatureSettings& settings, Sweep& sweep, Table& rows) {
   SCANSION_TRY(outcome, run_case(one, settings));
   std::array<char, 48> sampling{};
@@ -136,7 +147,24 @@ void print_means(const Sweep& sweep, Report& report) {
   report.print(table);
 }
 
-void print_judgement(const Sweep& sweep, double smooth_mm, Report& report) {
+double share(std::uint32_t part, std::uint32_t whole) noexcept {
+  return whole == 0 ? 1.0 : static_cast<double>(part) / whole;
+}
+
+void print_forms(const Sweep& sweep, Report& report) {
+  Table table("Form features against the truth", {"kind", "there", "named", "share", "said", "right", "share right"},
+              "Named: with its kind and on its largest patch; right: of those said to be there; in pieces: right / named.");
+  const auto add = [&](const std::string& kind, const score::FormCount& count) {
+    if (count.there + count.said == 0) return;
+    table.add({kind, std::to_string(count.there), std::to_string(count.named), Figure{share(count.named, count.there), 3},
+               std::to_string(count.said), std::to_string(count.right), Figure{share(count.right, count.said), 3}});
+  };
+  for (std::size_t k = 0; k < kFormKinds; ++k) add(std::string(name(static_cast<FormKind>(k))), sweep.all.sum.forms[k]);
+  add("all", score::sum_of(sweep.all.sum.forms));
+  report.print(table);
+}
+
+void print_judgement(const Sweep& sweep, const Smooth& smooth, Report& report) {
   Table table("What it must reach", {"figure", "value", "must", "good", "mark"});
   const auto high = [&](const std::string& name, double value, Bar bar) {
     std::vector<Cell> cells{name, Figure{value, 3}};
@@ -159,7 +187,11 @@ void print_judgement(const Sweep& sweep, double smooth_mm, Report& report) {
     high(std::string("recall at ") + classes[k] + " degrees", sweep.all.angle(k), {0.90, 0.95});
   }
   if (sweep.all.with_patches > 0.0) high("adjusted Rand index", sweep.all.rand_index(), {0.78, 0.90});
-  low("false mm on the smooth part, worst", smooth_mm, {40.0, 5.0});
+  const score::FormCount forms = score::sum_of(sweep.all.sum.forms);
+  high("forms named", share(forms.named, forms.there), {0.75, 0.90});
+  high("forms rightly named", share(forms.right, forms.said), {0.80, 0.90});
+  low("false mm on the smooth part, worst", smooth.worst_mm, {40.0, 5.0});
+  low("forms a scan of the smooth part", smooth.forms / std::max(1.0, smooth.scans), {0.2, 0.05});
   const auto clean = sweep.by_fault.find("clean");
   if (clean != sweep.by_fault.end()) {
     for (const auto& [fault, mean] : sweep.by_fault) {
@@ -195,7 +227,7 @@ Result<void> run_features(const FeatureOptions& asked, Report& report) {
   if (o.paper) settings.linking = Linking::paper;
   Sweep sweep;
   Table rows("Feature lines and patches against the truth, every scan", kColumns);
-  double smooth_mm = 0.0;
+  Smooth smooth;
   for (const double pitch : o.pitches) {
     for (const double noise : o.noises) {
       for (const double direction : o.directions) {
@@ -203,15 +235,18 @@ Result<void> run_features(const FeatureOptions& asked, Report& report) {
           for (const std::string& scene : o.scenes) {
             SCANSION_TRY(run_one({scene, pitch, noise, direction, fault}, settings, sweep, rows));
           }
-          SCANSION_TRY(smooth, run_case({"smooth", pitch, noise, direction, fault}, settings));
-          smooth_mm = std::max(smooth_mm, smooth.score.false_mm);
+          SCANSION_TRY(featureless, run_case({"smooth", pitch, noise, direction, fault}, settings));
+          smooth.worst_mm = std::max(smooth.worst_mm, featureless.score.false_mm);
+          smooth.forms += score::sum_of(featureless.score.forms).said;
+          smooth.scans += 1.0;
         }
       }
     }
   }
   if (o.rows) report.print(rows);
   print_means(sweep, report);
-  print_judgement(sweep, smooth_mm, report);
+  print_forms(sweep, report);
+  print_judgement(sweep, smooth, report);
   return success();
 }
 

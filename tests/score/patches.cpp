@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <unordered_map>
 
 namespace scansion::score {
@@ -34,32 +35,88 @@ std::vector<std::uint32_t> found_labels(const Truth& truth, const Found& found) 
   return labels;
 }
 
-/// A form counts as named when a form of its kind holds the found patch that covers most of its largest own patch.
-void judge_forms(const Truth& truth, const Found& found, const std::vector<std::uint32_t>& a,
-                 const std::vector<std::uint32_t>& b, Score& score) {
-  std::vector<std::map<std::uint32_t, std::size_t>> covers(truth.patches.size());
-  for (std::size_t k = 0; k < a.size(); ++k) ++covers[a[k]][b[k]];
-  const auto cover = [&](std::uint32_t patch) {
-    const auto& counts = covers[patch];
-    const auto most = std::ranges::max_element(counts, {}, [](const auto& entry) { return entry.second; });
-    return most == counts.end() ? kNoPatch : most->first;
-  };
-  for (const TrueForm& form : truth.forms) {
-    std::uint32_t main = form.patches.front();
-    const auto own = [&](std::uint32_t patch) { return form.kind == FormKind::step || truth.patches[patch].kind == form.kind; };
-    for (const std::uint32_t patch : form.patches) {
-      const bool better = own(patch) != own(main) ? own(patch) : truth.patches[patch].samples > truth.patches[main].samples;
-      if (better) main = patch;
+/// Samples that true and found patches share, as what each says of the other.
+class Cover {
+public:
+  Cover(const std::vector<std::uint32_t>& truth, const std::vector<std::uint32_t>& found) {
+    for (std::size_t k = 0; k < truth.size(); ++k) {
+      if (found[k] == kNoPatch) continue;
+      ++found_in_[truth[k]][found[k]];
+      ++true_in_[found[k]][truth[k]];
     }
-    ++score.forms;
-    const std::uint32_t id = cover(main);
-    score.forms_named += std::ranges::any_of(found.forms, [&](const Form& other) {
-      return other.kind == form.kind && std::ranges::find(other.patches, id) != other.patches.end();
-    });
+  }
+  /// The found patch that covers most of a true one, and the other way round.
+  [[nodiscard]] std::uint32_t found_at(std::uint32_t truth) const { return most(found_in_, truth); }
+  [[nodiscard]] std::uint32_t true_at(std::uint32_t found) const { return most(true_in_, found); }
+
+private:
+  using Shared = std::unordered_map<std::uint32_t, std::map<std::uint32_t, std::size_t>>;
+  [[nodiscard]] static std::uint32_t most(const Shared& shared, std::uint32_t patch) {
+    const auto at = shared.find(patch);
+    if (at == shared.end()) return kNoPatch;
+    return std::ranges::max_element(at->second, {}, [](const auto& entry) { return entry.second; })->first;
+  }
+  Shared found_in_, true_in_;
+};
+
+bool holds(const std::vector<std::uint32_t>& patches, std::uint32_t patch) noexcept {
+  return std::ranges::find(patches, patch) != patches.end();
+}
+
+bool is_own(const Truth& truth, const TrueForm& form, std::uint32_t patch) {
+  return holds(form.patches, patch) && (form.kind == FormKind::step || truth.patches[patch].kind == form.kind);
+}
+
+/// Is it such a form, there? Of a step both levels must be; of any other form a patch that lies mostly on a true patch of its
+/// own kind.
+bool is_right(const Truth& truth, const TrueForm& form, const Form& said, const Cover& cover) {
+  if (said.kind != form.kind) return false;
+  std::set<std::uint32_t> places;
+  for (const std::uint32_t patch : said.patches) {
+    const std::uint32_t place = cover.true_at(patch);
+    if (place != kNoPatch && is_own(truth, form, place)) places.insert(place);
+  }
+  return places.size() >= (form.kind == FormKind::step ? 2U : 1U);
+}
+
+/// Does it name the form? It is right, and but for a step it holds the patch that covers most of the form's largest own patch.
+bool names(const Truth& truth, const TrueForm& form, const Form& said, const Cover& cover) {
+  if (!is_right(truth, form, said, cover)) return false;
+  if (form.kind == FormKind::step) return true;
+  std::uint32_t main = form.patches.front();
+  for (const std::uint32_t patch : form.patches) {
+    const bool own = is_own(truth, form, patch), main_own = is_own(truth, form, main);
+    if (own != main_own ? own : truth.patches[patch].samples > truth.patches[main].samples) main = patch;
+  }
+  const std::uint32_t id = cover.found_at(main);
+  return holds(said.patches, id) && holds(form.patches, cover.true_at(id));
+}
+
+void judge_forms(const Truth& truth, const Found& found, const Cover& cover, FormCounts& counts) {
+  for (const Form& said : found.forms) {
+    FormCount& count = counts[static_cast<std::size_t>(said.kind)];
+    ++count.said;
+    count.right += std::ranges::any_of(truth.forms, [&](const TrueForm& form) { return is_right(truth, form, said, cover); });
+  }
+  for (const TrueForm& form : truth.forms) {
+    FormCount& count = counts[static_cast<std::size_t>(form.kind)];
+    ++count.there;
+    count.named += std::ranges::any_of(found.forms, [&](const Form& said) { return names(truth, form, said, cover); });
   }
 }
 
 } // namespace
+
+FormCount sum_of(const FormCounts& counts) noexcept {
+  FormCount sum;
+  for (const FormCount& count : counts) {
+    sum.there += count.there;
+    sum.named += count.named;
+    sum.said += count.said;
+    sum.right += count.right;
+  }
+  return sum;
+}
 
 double adjusted_rand_index(const std::vector<std::uint32_t>& a, const std::vector<std::uint32_t>& b) {
   std::unordered_map<std::uint64_t, std::uint64_t> both;
@@ -90,7 +147,7 @@ void judge_patches(const Truth& truth, const Found& found, Score& score) {
   const auto b = found_labels(truth, found);
   score.has_patches = true;
   score.rand_index = adjusted_rand_index(a, b);
-  judge_forms(truth, found, a, b, score);
+  judge_forms(truth, found, Cover(a, b), score.forms);
 }
 
 } // namespace scansion::score

@@ -23,6 +23,14 @@ struct Found {
   std::vector<Form> forms;
 };
 
+/// Form features of one kind: how many there are, how many of these were named, how many were said to be there, how many of
+/// those rightly so. A form said in pieces is right in each of them: right / named tells how many.
+struct FormCount {
+  std::uint32_t there = 0, named = 0, said = 0, right = 0;
+};
+using FormCounts = std::array<FormCount, kFormKinds>; ///< by FormKind
+[[nodiscard]] FormCount sum_of(const FormCounts& counts) noexcept;
+
 inline constexpr std::uint32_t kNoPatch = 0xffffffffU;
 inline constexpr std::size_t kAngleClasses = 5; ///< 0-20, 20-40, 40-60, 60-80, 80-90 degrees to the scan lines, in plan
 
@@ -42,7 +50,7 @@ struct Score {
   std::array<double, kAngleClasses> angle_mm{}, angle_found_mm{};
   double rand_index = 0.0; ///< adjusted, of patches, by samples
   bool has_patches = false;
-  std::uint32_t forms = 0, forms_named = 0;
+  FormCounts forms{};
 };
 
 [[nodiscard]] Score judge(const Truth& truth, const Found& found);

@@ -15,6 +15,7 @@ constexpr std::size_t kLongestTag = 16;
 constexpr std::int64_t kRebootNs = 1'000'000'000; ///< in which RB must be confirmed
 constexpr std::size_t kMeasuringDigits = 13;      ///< of MD: start, end, cluster, skip, count
 constexpr std::size_t kSingleDigits = 10;         ///< of GD: start, end, cluster
+constexpr std::array<std::int32_t, 7> kRates{19200, 38400, 57600, 115200, 250000, 500000, 750000};
 
 bool are_digits(std::string_view text) noexcept {
   return std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
@@ -32,7 +33,7 @@ bool is_tag_character(char c) noexcept {
 }
 
 bool is_measuring(std::string_view symbol) noexcept {
-  constexpr std::array<std::string_view, 6> kSymbols{"MD", "MS", "ME", "GD", "GS", "GE"};
+  constexpr std::array<std::string_view, 10> kSymbols{"MD", "MS", "ME", "GD", "GS", "GE", "ND", "NE", "HD", "HE"};
   return std::find(kSymbols.begin(), kSymbols.end(), symbol) != kSymbols.end();
 }
 
@@ -51,8 +52,11 @@ void ScipDevice::reply(const std::string& request, std::string_view status, std:
 void ScipDevice::reply_keys(const std::string& request, const std::vector<std::pair<std::string, std::string>>& rows) {
   std::string body;
   for (const auto& [key, value] : rows) {
-    const std::string row = key + ":" + value;
-    body += row + ";" + scip::sum_of(row) + "\n";
+    std::string row = key;
+    row.append(":").append(value);
+    const char sum = scip::sum_of(row);
+    body.append(row).append(";") += sum;
+    body += '\n';
   }
   reply(request, "00", body);
 }
@@ -73,14 +77,21 @@ void ScipDevice::take_request(const std::string& request, std::int64_t now_ns) {
   const std::string_view body = command.substr(symbol.size());
   if (is_measuring(symbol)) return take_measuring(request, body, tag, now_ns);
   if (symbol == "TM") return take_clock(request, body, now_ns);
-  if (symbol == "SS" || symbol == "CR" || symbol == "HS") {
-    const std::size_t digits = symbol == "SS" ? 6 : symbol == "CR" ? 2 : 1;
-    if (body.size() != digits) return reply(request, body.size() < digits ? "0C" : "0D");
-    if (!are_digits(body)) return reply(request, "01");
-    if (symbol == "SS" && plan_.stops_on_disconnect) return reply(request, "0E"); // Ethernet has no bit rate
-    return reply(request, "00");
-  }
+  if (symbol == "SS" || symbol == "CR" || symbol == "HS") return take_setting(request, symbol, body);
   if (!body.empty() || !take_plain(symbol, request, now_ns)) reply(request, "0E");
+}
+
+void ScipDevice::take_setting(const std::string& request, std::string_view symbol, std::string_view body) {
+  const std::size_t digits = symbol == "SS" ? 6 : symbol == "CR" ? 2 : 1;
+  if (body.size() != digits) return reply(request, body.size() < digits ? "0C" : "0D");
+  if (!are_digits(body)) return reply(request, "01");
+  if (symbol != "SS") return reply(request, "00");
+  if (plan_.stops_on_disconnect) return reply(request, "0E"); // Ethernet has no bit rate
+  const std::int32_t rate = digits_value(body);
+  if (rate == baud_) return reply(request, "03");
+  if (std::find(kRates.begin(), kRates.end(), rate) == kRates.end()) return reply(request, "04");
+  baud_ = rate;
+  reply(request, "00");
 }
 
 bool ScipDevice::take_plain(std::string_view symbol, const std::string& request, std::int64_t now_ns) {
@@ -113,6 +124,7 @@ bool ScipDevice::take_plain(std::string_view symbol, const std::string& request,
   } else if (symbol == "BM") {
     take_light(request, now_ns);
   } else if (symbol == "QT") {
+    if (is_in_clock_mode_) return false; // only TM2 leaves it
     put_out_light();
     sleeps_ = false;
     reply(request, "00");
@@ -122,6 +134,7 @@ bool ScipDevice::take_plain(std::string_view symbol, const std::string& request,
     power_up_ns_ = now_ns;
     scans_ = 0;
     clock_offset_ms_ = 0;
+    if (symbol == "RS") baud_ = plan_.baud;
     reply(request, "00");
   } else if (symbol == "RB") {
     take_reboot(request, now_ns);
@@ -146,7 +159,7 @@ std::string ScipDevice::state_code() const {
 }
 
 void ScipDevice::take_light(const std::string& request, std::int64_t now_ns) {
-  if (is_in_clock_mode_) return reply(request, "0E");
+  if (is_in_clock_mode_ || sleeps_) return reply(request, "10");
   if (is_lit_) return reply(request, "02");
   if (static_cast<double>(now_ns - power_up_ns_) < plan_.warm_up_s * 1e9) return reply(request, "01");
   is_lit_ = true;
@@ -208,19 +221,19 @@ std::string_view ScipDevice::parse_measuring(std::string_view body, Measuring& o
 }
 
 void ScipDevice::take_measuring(const std::string& request, std::string_view body, std::string_view tag, std::int64_t now_ns) {
-  const bool is_single = request[0] == 'G';
+  const bool is_single = request[0] == 'G' || request[0] == 'H';
+  const bool has_echoes = request[0] == 'N' || request[0] == 'H';
+  if ((has_echoes && !plan_.model.has_echoes) || (!is_single && plan_.is_single_only)) return reply(request, "0E");
   const std::size_t digits = is_single ? kSingleDigits : kMeasuringDigits;
   if (body.size() != digits) return reply(request, body.size() < digits ? "0C" : "0D");
   Measuring measuring;
   measuring.kind = request[1];
+  measuring.has_echoes = has_echoes;
   if (const std::string_view refusal = parse_measuring(body, measuring); !refusal.empty()) return reply(request, refusal);
   if (is_in_clock_mode_ || sleeps_) return reply(request, "10");
   if (is_single) {
     if (!is_lit_) return reply(request, "10");
-    if (samples_.empty() || plan_.at_maximum || now_ns - last_look_ns_ >= period_ns()) {
-      if (!look(now_ns) && samples_.empty()) return reply(request, "0A");
-      ++scans_;
-    }
+    if (!look_once(now_ns)) return reply(request, "0A");
     std::string scan;
     append_scan(scan, measuring, last_look_ns_);
     scan.pop_back(); // its empty line is the reply's

@@ -37,6 +37,7 @@ void ScipDevice::power_up(std::int64_t now_ns) {
   measuring_.reset();
   is_lit_ = is_in_clock_mode_ = sleeps_ = false;
   is_in_scip1_ = plan_.starts_in_scip1;
+  baud_ = plan_.baud;
   if (!std::exchange(is_streaming_from_before_, false)) return;
   char request[32];
   std::snprintf(request, sizeof request, "MD%04d%04d01000;old", plan_.model.first, plan_.model.last);
@@ -69,13 +70,15 @@ std::uint32_t ScipDevice::clock_at(std::int64_t now_ns) const noexcept {
 void ScipDevice::receive(std::span<const std::uint8_t> bytes, std::int64_t now_ns) {
   constexpr std::size_t kLongest = 256;
   for (const std::uint8_t byte : bytes) {
+    const bool is_second_of_two = std::exchange(was_return_, byte == '\r') && byte == '\n';
     if (byte != '\n' && byte != '\r') {
       if (input_.size() < kLongest) input_ += static_cast<char>(byte);
       continue;
     }
+    if (is_second_of_two) continue;
     std::string request;
     std::swap(request, input_);
-    if (!request.empty()) take_request(request, now_ns);
+    if (!request.empty() || is_in_scip1_) take_request(request, now_ns); // SCIP 1.1 answers an empty line, too
   }
 }
 
@@ -107,6 +110,21 @@ bool ScipDevice::look(std::int64_t now_ns) {
   if (!more || !more.assume_value()) return false;
   scip_scan(line_, source_, plan_.model, place_, samples_);
   last_look_ns_ = now_ns;
+  return true;
+}
+
+bool ScipDevice::look_once(std::int64_t now_ns) {
+  if (samples_.empty() || plan_.at_maximum || last_look_ns_ < power_up_ns_) {
+    ++scans_;
+    return look(now_ns) || !samples_.empty();
+  }
+  // The sensor turns on whether anybody asks or not, and the part moves under it.
+  constexpr std::int64_t kMostTurns = 10'000;
+  const std::int64_t turns = (now_ns - last_look_ns_) / period_ns();
+  for (std::int64_t turn = 0; turn < std::min(turns, kMostTurns); ++turn) {
+    if (!look(last_look_ns_ + period_ns())) break;
+    ++scans_;
+  }
   return true;
 }
 
@@ -147,6 +165,18 @@ void ScipDevice::append_block(std::string& text, std::string_view data) const {
   }
 }
 
+void ScipDevice::append_sample(const Measuring& measuring, const ScipSample& sample) {
+  for (std::size_t i = 0; i < (measuring.has_echoes ? sample.count : 1); ++i) {
+    const auto distance = static_cast<std::uint32_t>(sample.echoes[i].distance);
+    if (i > 0) data_ += scip::kEchoMark;
+    if (measuring.kind == 'S')
+      scip::encode_number(data_, std::min<std::uint32_t>(distance, kTwoCharacterCeiling), 2);
+    else
+      scip::encode_number(data_, distance, 3);
+    if (measuring.kind == 'E') scip::encode_number(data_, static_cast<std::uint32_t>(sample.echoes[i].intensity), 3);
+  }
+}
+
 void ScipDevice::append_scan(std::string& text, const Measuring& measuring, std::int64_t scan_ns) {
   data_.clear();
   scip::encode_number(data_, clock_at(scan_ns), 4);
@@ -156,19 +186,15 @@ void ScipDevice::append_scan(std::string& text, const Measuring& measuring, std:
   data_.clear();
   for (std::int32_t step = measuring.start; step <= measuring.end; step += measuring.cluster) {
     // Of a cluster the smallest distance that is one; a code when there is none.
-    ScipSample best = samples_[static_cast<std::size_t>(step - plan_.model.first)];
+    const ScipSample* best = &samples_[static_cast<std::size_t>(step - plan_.model.first)];
     for (std::int32_t k = step; k < std::min(step + measuring.cluster, measuring.end + 1); ++k) {
       const ScipSample& sample = samples_[static_cast<std::size_t>(k - plan_.model.first)];
-      const bool is_distance = sample.distance >= plan_.model.distance_min;
-      if (is_distance && (best.distance < plan_.model.distance_min || sample.distance < best.distance)) best = sample;
+      const std::int32_t distance = sample.echoes[0].distance;
+      const bool is_distance = distance >= plan_.model.distance_min;
+      const std::int32_t before = best->echoes[0].distance;
+      if (is_distance && (before < plan_.model.distance_min || distance < before)) best = &sample;
     }
-    const auto distance = static_cast<std::uint32_t>(best.distance);
-    if (measuring.kind == 'S') {
-      scip::encode_number(data_, std::min<std::uint32_t>(distance, kTwoCharacterCeiling), 2);
-    } else {
-      scip::encode_number(data_, distance, 3);
-      if (measuring.kind == 'E') scip::encode_number(data_, static_cast<std::uint32_t>(best.intensity), 3);
-    }
+    append_sample(measuring, *best);
   }
   append_block(text, data_);
   text += '\n';

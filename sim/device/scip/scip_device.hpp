@@ -22,6 +22,8 @@ struct ScipPlan {
   bool starts_in_scip1 = false;     ///< until SCIP2.0 is sent
   bool starts_streaming = false;    ///< as a sensor whose host died
   bool stops_on_disconnect = false; ///< TCP
+  bool is_single_only = false;      ///< knows no continuous measuring
+  std::int32_t baud = 19200;        ///< bit/s at power-up, for SS; the bytes themselves come at any rate
   std::uint64_t seed = 1;
 };
 
@@ -44,6 +46,7 @@ private:
     std::string head; ///< echo up to the remaining count
     std::string tail; ///< and behind it: the tag
     char kind = 'D';  ///< D, S or E
+    bool has_echoes = false;
     std::int32_t start = 0, end = 0, cluster = 1, skip = 0;
     std::int32_t remaining = 0; ///< 0 and is_endless: for ever
     bool is_endless = false;
@@ -55,6 +58,7 @@ private:
   [[nodiscard]] bool take_plain(std::string_view symbol, const std::string& request, std::int64_t now_ns);
   void take_measuring(const std::string& request, std::string_view body, std::string_view tag, std::int64_t now_ns);
   void take_clock(const std::string& request, std::string_view body, std::int64_t now_ns);
+  void take_setting(const std::string& request, std::string_view symbol, std::string_view body);
   void take_light(const std::string& request, std::int64_t now_ns);
   void take_reboot(const std::string& request, std::int64_t now_ns);
   /// Two characters, empty: as it should be.
@@ -62,6 +66,7 @@ private:
 
   void reply(const std::string& request, std::string_view status, std::string_view body = {});
   void reply_keys(const std::string& request, const std::vector<std::pair<std::string, std::string>>& rows);
+  void append_sample(const Measuring& measuring, const ScipSample& sample);
   void append_scan(std::string& text, const Measuring& measuring, std::int64_t scan_ns);
   void append_block(std::string& text, std::string_view data) const;
   [[nodiscard]] bool scan_message(std::int64_t now_ns, std::string& text);
@@ -73,6 +78,8 @@ private:
   [[nodiscard]] std::string state_code() const;
   /// The next line of the part, false when there is none left.
   [[nodiscard]] bool look(std::int64_t now_ns);
+  /// The newest scan for who asks for one; false: there is none.
+  [[nodiscard]] bool look_once(std::int64_t now_ns);
 
   LineSource source_;
   ScipPlan plan_;
@@ -93,6 +100,8 @@ private:
   bool is_lit_ = false;
   bool is_in_clock_mode_ = false;
   bool is_in_scip1_ = false;
+  bool was_return_ = false; ///< the newest byte from the host: a line feed behind it ends nothing more
+  std::int32_t baud_ = 0;
   bool sleeps_ = false;
   bool drops_link_ = false;
   bool is_streaming_from_before_ = false;

@@ -20,8 +20,12 @@ struct Seen {
 class Sweep {
 public:
   Sweep(const ScipModel& model, std::vector<ScipSample>& samples) : model_(model), samples_(samples) {
-    samples_.assign(static_cast<std::size_t>(model.last - model.first) + 1, {kNothing, 0});
-    ranges_.assign(samples_.size(), HUGE_VAL);
+    const auto steps = static_cast<std::size_t>(model.last - model.first) + 1;
+    samples_.assign(steps, {});
+    Ranges none;
+    none.fill(HUGE_VAL);
+    ranges_.assign(steps, none);
+    for (ScipSample& sample : samples_) sample.echoes[0].distance = kNothing;
   }
 
   void point(const Seen& at) {
@@ -58,20 +62,37 @@ private:
   void note(std::int32_t step, double range) {
     if (step < model_.first || step > model_.last || !(range > 0.0)) return;
     const auto i = static_cast<std::size_t>(step - model_.first);
-    if (range >= ranges_[i]) return;
-    ranges_[i] = range;
+    Ranges& ranges = ranges_[i];
+    std::size_t at = 0;
+    while (at < ranges.size() && range >= ranges[at] + kEchoesApartMm) ++at;
+    if (at == ranges.size()) return;
+    if (range <= ranges[at] - kEchoesApartMm)
+      std::move_backward(ranges.begin() + static_cast<std::ptrdiff_t>(at), ranges.end() - 1, ranges.end());
+    else if (range >= ranges[at])
+      return; // part of that echo
+    ranges[at] = range;
+    ScipSample& sample = samples_[i];
+    sample.count = 0;
+    for (const double one : ranges) {
+      if (one == HUGE_VAL) break;
+      sample.echoes[sample.count] = echo_at(one, sample.count);
+      ++sample.count;
+    }
+  }
+
+  /// The `behind`th surface of a ray gets what those before it let through.
+  [[nodiscard]] ScipEcho echo_at(double range, std::size_t behind) const noexcept {
     const double whole = std::round(range);
-    if (whole > model_.distance_max)
-      samples_[i] = {kNothing, 0};
-    else if (whole < model_.distance_min)
-      samples_[i] = {kTooNear, 0};
-    else
-      samples_[i] = {static_cast<std::int32_t>(whole), std::clamp(static_cast<std::int32_t>(4e6 / (range + 1000.0)), 0, 4000)};
+    if (whole > model_.distance_max) return {kNothing, 0};
+    if (whole < model_.distance_min) return {kTooNear, 0};
+    const double light = 4e6 / (range + 1000.0) / static_cast<double>(behind + 1);
+    return {static_cast<std::int32_t>(whole), std::clamp(static_cast<std::int32_t>(light), 0, 4000)};
   }
 
   const ScipModel& model_;
   std::vector<ScipSample>& samples_;
-  std::vector<double> ranges_;
+  using Ranges = std::array<double, ScipSample::kMostEchoes>;
+  std::vector<Ranges> ranges_; ///< mm, of every step's ray, the nearest first
 };
 
 } // namespace

@@ -1,14 +1,11 @@
 # scansiond on a simulated Gocator profiler. SCANSION_LONG=1: 200 losses and returns.
 # SPDX-License-Identifier: Apache-2.0
-import json
-import subprocess
 import unittest
 
-from harness import TOOL
-from port_driver_kit import LONG, PortDriverTest, exported, recordings
-from simulator import Simulator, descriptors, memory_kib
+from port_driver_kit import LONG, PortDriverTest, Watched, exported, gaps_of, listens, recordings
+from simulator import Simulator
 
-CYCLES = 200 if LONG else 6
+CYCLES = 200 if LONG else 3
 
 
 class Gocator(PortDriverTest):
@@ -67,30 +64,41 @@ class Gocator(PortDriverTest):
         path, _ = self.record(self.device(simulator, source="bottom"), 50)
         self.difference(exported(path), want)
 
-    def test_cut_connections_lose_a_known_number_of_frames(self):
-        self.scan(20, points=20)
-        every = 3.0
-        simulator = Simulator(self, "gocator", "--scan", self.scan_path, "--loop", "--rate", 200, "--fault",
-                              f"cut:at=1,every={every},jitter=0.5")
+    def unplugged(self, fault):
+        want = self.counts(self.scan(97, points=20))
+        simulator = Simulator(self, "gocator", "--scan", self.scan_path, "--loop", "--rate", 200, "--seed", 3, "--fault", fault)
         daemon = self.daemon([self.device(simulator)]).start()
-        pid = daemon.process.pid
-        daemon.until(lambda: daemon.device()["gaps"] >= 1, "a gap")
-        before = descriptors(pid), memory_kib(pid)
-        status = daemon.until(lambda: (d := daemon.device())["gaps"] >= (CYCLES if LONG else 3) and d, "gaps")
-        self.assertLessEqual(descriptors(pid), before[0] + 1)
-        self.assertLess(memory_kib(pid), before[1] + 8192)
-        self.assertGreater(status["lines"], 100)
+        watched = Watched(daemon, lambda: listens(simulator.where))
+        watched.run(CYCLES)
         daemon.stop(self)
-        # Every loss begins a file. The sensor counts its frames, and so lost ones leave their room: the way goes on evenly
-        # over lines and gaps.
-        place = 0
-        for path in recordings(daemon):
+        watched.check(self, CYCLES)
+        return daemon, want
+
+    def test_unplugged_sensor_that_goes_on(self):
+        daemon, want = self.unplugged("unplug:at=1.5,for=0.4,every=2.5,jitter=0.4,power=1")
+        sizes = self.check_known_gaps(daemon, want, 200, 100)
+        self.assertEqual(len(sizes), len(recordings(daemon)) - 1)
+        self.assertGreaterEqual(len(sizes), CYCLES)
+
+    def test_unplugged_sensor_that_starts_anew(self):
+        daemon, _ = self.unplugged("unplug:at=1.5,for=0.4,every=2.5,jitter=0.4")
+        files = recordings(daemon)
+        self.assertGreater(len(files), CYCLES)
+        place = -1
+        for path in files:  # how many frames there would have been nobody knows; the way goes on
             self.check_sound(path)
-            gaps = json.loads(subprocess.run([TOOL, "info", "--json", path], capture_output=True, text=True).stdout)["gaps"]
+            self.assertEqual(gaps_of(path), [] if place < 0 else [(0, None)])
             ys = [line[0][1] // 100 for line in exported(path)]
-            self.assertEqual(ys, list(range(ys[0], ys[0] + len(ys))))
-            self.assertEqual(gaps, int(ys[0] > place))
-            place = ys[-1] + 1
+            self.assertEqual(ys, list(range(place + 1, place + 1 + len(ys))))
+            place = ys[-1]
+
+    def test_cut_connections(self):
+        want = self.counts(self.scan(97, points=20))
+        simulator = Simulator(self, "gocator", "--scan", self.scan_path, "--loop", "--rate", 200, "--fault", "cut:at=1,every=2,jitter=0.5")
+        daemon = self.daemon([self.device(simulator)]).start()
+        daemon.until(lambda: daemon.device()["gaps"] >= 3, "gaps")
+        daemon.stop(self)
+        self.check_known_gaps(daemon, want, 200, 100)
 
     def test_noise_is_counted_and_survived(self):
         self.scan(2000, points=50)

@@ -7,10 +7,13 @@ import math
 import os
 import signal
 import subprocess
+import termios
 import time
 import unittest
 
 from harness import DaemonTest, Recording, TOOL
+from port_driver_kit import Watched
+from simulator import cpu_seconds
 
 SIM = os.environ.get("SCANSIM")
 LONG = os.environ.get("SCANSION_LONG") == "1"
@@ -180,29 +183,10 @@ class ScipTest(DaemonTest):
         sim = Simulator(self, scan, "--rate", "40", "--loop", "--seed", "5", "--fault",
                         "unplug:at=1.5,for=0.7,every=3,jitter=0.3")
         daemon = self.daemon([sim.device(start=500, end=580)]).start()
-        begin = None
-        slowest = {"gone": 0.0, "back": 0.0}
-        for turn in range(turns):
-            daemon.until_state("streaming")
-            daemon.until(lambda: not os.path.islink(sim.link), "unplugged")
-            gone = time.monotonic()
-            daemon.until(lambda: daemon.device()["state"] != "streaming", "the loss is noticed")
-            slowest["gone"] = max(slowest["gone"], time.monotonic() - gone)
-            daemon.until(lambda: os.path.islink(sim.link), "plugged in")
-            back = time.monotonic()
-            daemon.until_state("streaming")
-            slowest["back"] = max(slowest["back"], time.monotonic() - back)
-            if turn == 1:
-                begin = self.use_of(daemon)
-        end = self.use_of(daemon)
-        lines = daemon.device()["lines"]
-        daemon.until(lambda: daemon.device()["lines"] > lines, "lines come")
+        watched = Watched(daemon, lambda: os.path.islink(sim.link))
+        watched.run(turns)
         daemon.stop(self)
-        self.assertLess(slowest["gone"], 1.0)
-        self.assertLess(slowest["back"], 2.0)
-        self.assertLessEqual(end["descriptors"], begin["descriptors"] + 1)
-        if LONG:
-            self.assertLess(end["rss_kb"], begin["rss_kb"] * 1.2 + 4096)
+        watched.check(self, turns)
         recordings = [f for f in daemon.files() if f.endswith(".mcap")]
         self.assertGreaterEqual(len(recordings), turns)
         infos = [self.info(f) for f in recordings]
@@ -211,30 +195,17 @@ class ScipTest(DaemonTest):
             away_s = (self.time_of(after["started"]) - self.time_of(before["ended"])).total_seconds()
             lost = Recording(path).groups[0][1]  # the first line's index: those before it are the gap
             self.assertLessEqual(abs(lost - (away_s / 0.025 - 1)), 1.5, f"{away_s} s away, gap of {lost}")
-        print(f"slowest of {turns}: noticed {slowest['gone'] * 1000:.0f} ms, back {slowest['back'] * 1000:.0f} ms; "
-              f"rss {begin['rss_kb']} -> {end['rss_kb']} kB, descriptors {begin['descriptors']} -> {end['descriptors']}")
 
     def time_of(self, text):
         return datetime.datetime.fromisoformat(text.replace("Z", "+00:00"))
-
-    def use_of(self, daemon):
-        folder = f"/proc/{daemon.process.pid}"
-        with open(folder + "/status") as status:
-            rss = next(int(row.split()[1]) for row in status if row.startswith("VmRSS"))
-        return {"descriptors": len(os.listdir(folder + "/fd")), "rss_kb": rss}
-
-    def cpu_s(self, daemon):
-        with open(f"/proc/{daemon.process.pid}/stat") as stat:
-            fields = stat.read().rsplit(")", 1)[1].split()
-        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
     def test_absent_device_costs_little_and_is_taken_when_it_comes(self):
         link = os.path.join(self.folder, "tty")
         daemon = self.daemon([{"name": "d", "driver": "hokuyo-scip", "port": link}]).start()
         daemon.until_state("backing off")
-        before, begin = self.cpu_s(daemon), time.monotonic()
+        before, begin = cpu_seconds(daemon.process.pid), time.monotonic()
         daemon.until(lambda: time.monotonic() - begin > 2.0, "two seconds")
-        self.assertLess((self.cpu_s(daemon) - before) / (time.monotonic() - begin), 0.05)
+        self.assertLess((cpu_seconds(daemon.process.pid) - before) / (time.monotonic() - begin), 0.05)
         self.assertEqual(daemon.files(), [])
         Simulator(self, self.write_part(5), "--rate", "40", "--loop")
         came = time.monotonic()
@@ -263,6 +234,68 @@ class ScipTest(DaemonTest):
                 daemon.until_written(10)
                 self.assertLess(time.monotonic() - begin, 5.0)
                 daemon.stop(self)
+
+    def test_single_scans_where_there_is_no_continuous_measuring(self):
+        sim = Simulator(self, self.write_part(50), "--rate", "40", "--loop", "--single")
+        raw = os.path.join(self.folder, "d.raw")
+        daemon = self.daemon([sim.device(raw=raw)]).start()
+        daemon.until_written(100)
+        daemon.stop(self)
+        (path,) = [f for f in daemon.files() if f.endswith(".mcap")]
+        self.check_sound(path)
+        recorded = self.points(path)
+        self.assertGreaterEqual(len(recorded), 100)
+        first = next(k for k in range(3) if set(seen(part(50)[k])) >= set(self.steps(recorded[0])))
+        missing = 0
+        for number, rows in enumerate(recorded):  # y counts lost ones
+            place = round(rows[0][1])
+            missing = place - number
+            self.check_profile(rows, part(50)[(first + place) % 50])
+        self.assertLess(missing, 10, "scans are asked for often enough")
+        again = self.daemon([{"name": "d", "driver": "hokuyo-scip", "transcript": raw}],
+                            directory=os.path.join(self.folder, "again")).start()
+        again.until_state("finished")
+        again.stop(self)
+        (played,) = [f for f in again.files() if f.endswith(".mcap")]
+        with open(path, "rb") as one, open(played, "rb") as two:
+            self.assertEqual(one.read(), two.read())
+
+    def steps(self, rows):
+        return [round(540 + math.atan2(x, -z) / (2 * math.pi) * 1440) for x, _, z in rows]
+
+    def test_echoes(self):
+        # A shelf over a floor.
+        path = os.path.join(self.folder, "shelf.xyz")
+        with open(path, "w") as file:
+            for y in range(5):
+                file.write("".join(f"{x} {y} {z}\n" for x, z in [(-500, 0), (500, 0), (500, 200), (0, 200)]) + "\n")
+        for mode, echo, heights in (("ND", "nearest", {-300, -500}), ("ND", "farthest", {-500}), ("NE", "strongest", {-300, -500})):
+            with self.subTest(mode=mode, echo=echo):
+                sim = Simulator(self, path, "--rate", "100", "--loop", tcp=True)
+                daemon = self.daemon([sim.device(mode=mode, echo=echo, start=500, end=580)],
+                                     directory=os.path.join(self.folder, mode + echo)).start()
+                daemon.until_written(20)
+                self.assertEqual(sum(daemon.device()["link"]["rejected"].values()), 0)
+                daemon.stop(self)
+                sim.stop()
+                (recording,) = [f for f in daemon.files() if f.endswith(".mcap")]
+                self.assertEqual({round(z / 10) * 10 for rows in self.points(recording) for _, _, z in rows}, heights)
+
+    def test_bit_rate_is_changed(self):
+        sim = Simulator(self, self.write_part(5), "--rate", "40", "--loop", "--fault", "unplug:at=1.5,for=0.3")
+        daemon = self.daemon([sim.device(baud=19200, change_baud=115200)]).start()
+        daemon.until_written(5)
+        self.assertEqual(self.rate_of(sim.link), termios.B115200)
+        daemon.until(lambda: daemon.device()["gaps"] == 1, "back after a power cycle")
+        self.assertEqual(self.rate_of(sim.link), termios.B115200)
+        daemon.stop(self)
+
+    def rate_of(self, link):
+        descriptor = os.open(link, os.O_RDONLY | os.O_NOCTTY | os.O_NONBLOCK)
+        try:
+            return termios.tcgetattr(descriptor)[5]
+        finally:
+            os.close(descriptor)
 
     def test_raw_bytes_are_dumped_on_a_signal(self):
         sim = Simulator(self, self.write_part(5), "--rate", "40", "--loop")

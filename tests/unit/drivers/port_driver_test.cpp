@@ -3,6 +3,7 @@
 #include "drivers/port/link_counters.hpp"
 #include "drivers/port/spacing.hpp"
 #include "drivers/port/text_lines.hpp"
+#include "drivers/port/way.hpp"
 #include "drivers/template/decoder.hpp"
 
 #include <gtest/gtest.h>
@@ -76,6 +77,21 @@ TEST(LineSpacing, FollowsStepSpeedOrEncoder) {
   EXPECT_DOUBLE_EQ(LineSpacing::create(values).assume_value().way_mm(3, 500'000'000, 7), 10.0);
   values.set("encoder", 0.5);
   EXPECT_FALSE(LineSpacing::create(values));
+}
+
+TEST(Way, GoesOnOverALoss) {
+  OptionValues values;
+  values.set("encoder", 0.5);
+  Way way(LineSpacing::create(values).assume_value());
+  EXPECT_DOUBLE_EQ(way.at({.encoder = -7}), 0.0);
+  EXPECT_DOUBLE_EQ(way.at({.encoder = 3}), 5.0);
+  way.go_on(1, 0); // the device was switched off: what moved meanwhile is not known
+  EXPECT_DOUBLE_EQ(way.at({.encoder = 0}), 5.0);
+  EXPECT_DOUBLE_EQ(way.at({.encoder = -2}), 4.0);
+  way.go_on(1, 0);
+  way.go_on(1, 0); // twice without a line between is once
+  EXPECT_DOUBLE_EQ(way.at({.encoder = INT64_MAX}), 4.0);
+  EXPECT_DOUBLE_EQ(way.at({.encoder = INT64_MIN}), 4.5) << "over a wrap";
 }
 
 } // namespace

@@ -91,13 +91,13 @@ TEST(ScipDecoder, TakesRepliesAndScansHoweverTheyAreCut) {
 
 TEST(ScipDecoder, PointsStandWhereTheRangesSay) {
   auto expected = expected_of('E', 540, 541);
-  expected.spacing = [] {
+  const auto spacing = [] {
     OptionValues values;
     values.set("spacing", 2.5);
     return LineSpacing::create(values).assume_value();
   }();
   LinkCounters counters;
-  ScipDecoder decoder(counters);
+  ScipDecoder decoder(counters, spacing);
   decoder.expect(expected);
   LineBuffer line;
   Gap gap;
@@ -206,6 +206,121 @@ TEST(ScipDecoder, NoiseLosesOnlyWhatItHits) {
     EXPECT_EQ(got.clocks.size() + lost, static_cast<std::size_t>(got.clocks.back() / 25 - got.clocks.front() / 25 + 1));
     EXPECT_GT(counters.rejected(), 0U);
   }
+}
+
+/// Values of steps with further echoes, as one data block.
+std::string scan_with(const ScipDecoder::Expected& expected, std::string_view status, const std::string& data) {
+  const std::string count = expected.plan.is_polled ? "" : "00";
+  std::string text = expected.head + count + expected.tail + "\n" + summed(std::string(status)) + summed("0001");
+  for (std::size_t at = 0; at < data.size(); at += 64) text += summed(data.substr(at, 64));
+  return text + "\n";
+}
+
+TEST(ScipDecoder, OneEchoOfEachStepIsThePoint) {
+  using scip::EchoChoice;
+  for (const auto& [choice, want] :
+       {std::pair{EchoChoice::nearest, 1000}, std::pair{EchoChoice::farthest, 3000}, std::pair{EchoChoice::strongest, 2000}}) {
+    auto expected = expected_of('E', 540, 541);
+    expected.plan.has_echoes = true;
+    expected.plan.echo = choice;
+    LinkCounters counters;
+    ScipDecoder decoder(counters);
+    decoder.expect(expected);
+    std::string data;
+    for (const auto& [mark, distance, intensity] :
+         {std::tuple{"", 2000U, 90U}, {"&", 1U, 99U}, {"&", 1000U, 50U}, {"&", 3000U, 0U}, {"", 1U, 0U}}) {
+      data += mark;
+      scip::encode_number(data, distance, 3);
+      scip::encode_number(data, intensity, 3);
+    }
+    const std::string text = scan_with(expected, "99", data);
+    LineBuffer line;
+    Gap gap;
+    const auto step = decoder.decode({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}, {}, line, gap);
+    ASSERT_EQ(step.what, Decoded::line);
+    EXPECT_EQ(line.xyz[2], (std::vector<std::int32_t>{-100 * want}));
+    EXPECT_EQ(line.invalid_after, 1U);
+    // A value that is cut, a step too many, a mark where there is but one echo.
+    for (const std::string& bad : {data.substr(0, data.size() - 1), data + data.substr(0, 6), data + "&"}) {
+      const std::uint64_t before = counters.rejected();
+      Got got;
+      feed(decoder, scan_with(expected, "99", bad), 100, 0, got);
+      EXPECT_EQ(counters.rejected(), before + 1) << bad;
+      EXPECT_TRUE(got.clocks.empty());
+    }
+    expected.plan.has_echoes = false;
+    decoder.expect(expected);
+    Got got;
+    feed(decoder, text, 100, 0, got);
+    EXPECT_TRUE(got.clocks.empty());
+  }
+}
+
+TEST(ScipDecoder, ScansThatAreAskedForComeOnce) {
+  auto expected = expected_of('D', 540, 540);
+  expected.head = "GD0540054000";
+  expected.plan.is_polled = true;
+  LinkCounters counters;
+  ScipDecoder decoder(counters);
+  decoder.expect(expected);
+  const auto scan = [&](std::int64_t stamp_ms) {
+    std::string stamp;
+    scip::encode_number(stamp, static_cast<std::uint32_t>(stamp_ms), 4);
+    return expected.head + expected.tail + "\n00P\n" + summed(stamp) + summed("04\\") + "\n";
+  };
+  Got got;
+  feed(decoder, scan(100) + scan(100) + scan(125) + scan(200) + "GD0540054000;s1\n10Q\n\n", 7, 0, got);
+  EXPECT_EQ(got.clocks, (std::vector<std::int64_t>{100, 125, 200}));
+  EXPECT_EQ(got.gaps, (std::vector<std::optional<std::uint64_t>>{2}));
+  EXPECT_EQ(got.replies, 2) << "the repeated one and the refusal";
+  EXPECT_EQ(counters.rejected(), 0U);
+}
+
+TEST(ScipDecoder, ARepeatedScanIsNoSecondLine) {
+  const auto expected = expected_of('S', 0, 0);
+  LinkCounters counters;
+  ScipDecoder decoder(counters);
+  decoder.expect(expected);
+  Got got;
+  const std::string one = scan_of(expected, 100, 300);
+  feed(decoder, one + one + scan_of(expected, 125, 300), 4096, 0, got);
+  EXPECT_EQ(got.clocks, (std::vector<std::int64_t>{100, 125}));
+  EXPECT_TRUE(got.gaps.empty());
+  EXPECT_EQ(counters.rejected(Reject::value), 1U);
+}
+
+/// Line 0 at 100 ms, then away; the next line comes `host_ms` later and is stamped `stamp_ms`.
+std::int32_t way_after_loss(const char* key, bool kept_clock, std::int64_t host_ms, std::int64_t stamp_ms,
+                            std::optional<std::uint64_t>& lost) {
+  OptionValues values;
+  values.set(key, 2.0);
+  auto expected = expected_of('D', 540, 540);
+  LinkCounters counters;
+  ScipDecoder decoder(counters, LineSpacing::create(values).assume_value());
+  decoder.expect(expected);
+  Got got;
+  feed(decoder, scan_of(expected, 100, 300), 4096, 0, got);
+  decoder.reset();
+  expected.kept_clock = kept_clock;
+  decoder.expect(expected);
+  const std::string text = scan_of(expected, stamp_ms, 300);
+  LineBuffer line;
+  Gap gap;
+  const auto step =
+      decoder.decode({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}, {host_ms * kMs, 0}, line, gap);
+  EXPECT_EQ(step.what, Decoded::line);
+  lost = decoder.lost_while_away();
+  return line.xyz[1].at(0);
+}
+
+TEST(ScipDecoder, TheWayGoesOnOverALoss) {
+  std::optional<std::uint64_t> lost;
+  EXPECT_EQ(way_after_loss("spacing", true, 1013, 1100, lost), 200 * 40) << "by the sensor's clock: 40 scans of 25 ms";
+  EXPECT_EQ(lost, 39U);
+  EXPECT_EQ(way_after_loss("spacing", false, 500, 3, lost), 200 * 20) << "by the host's";
+  EXPECT_EQ(lost, 19U);
+  EXPECT_EQ(way_after_loss("speed", true, 1013, 1100, lost), 200) << "2 mm/s for a second";
+  EXPECT_EQ(way_after_loss("speed", false, 500, 3, lost), 100);
 }
 
 TEST(ScipDecoder, EndlessTextIsBounded) {

@@ -61,9 +61,9 @@ struct Bench {
     }
     return out;
   }
-  std::string finish() {
+  std::string finish(bool is_lost = false) {
     out.clear();
-    decoder.finish({});
+    decoder.finish({}, is_lost);
     Decoder::Step step;
     do take(step, {}, {});
     while (step.what != Decoded::more);
@@ -169,6 +169,67 @@ TEST(Stream, RecordsAreFoundAgainBehindForeignBytes) {
   EXPECT_EQ(bench.counters.accepted, 12U);
   EXPECT_EQ(bench.counters.rejected(Reject::framing), 3U);
   EXPECT_EQ(bench.counters.rejected(Reject::checksum), 3U);
+}
+
+TEST(Stream, TheLastRowOfAFileMayLackItsLineFeed) {
+  for (const bool is_lost : {false, true}) {
+    Bench bench({});
+    EXPECT_EQ(bench.feed("0 0 1\n1 0 1"), "");
+    EXPECT_EQ(bench.finish(is_lost), is_lost ? "0,1000 !1; " : "0,1000 1000,1000 !0; ") << "1 may have been 1.5";
+    EXPECT_EQ(bench.counters.rejected(Reject::framing), is_lost ? 1U : 0U);
+  }
+  Bench numbers({{"fields", text("line x z")}});
+  EXPECT_EQ(numbers.feed("4 0 1\n5 0 2"), "");
+  EXPECT_EQ(numbers.finish(), "0,1000 !0; 0,2000 !0; ");
+}
+
+TEST(Stream, ABrokenOffRecordIsCounted) {
+  Bench bench({{"format", text("binary")},
+               {"fields", text("x:i16be z:u8")},
+               {"break", text("points")},
+               {"points", OptionValue(std::int64_t{9})}});
+  EXPECT_EQ(bench.feed(std::string("\0\1\1\0", 4)), "");
+  EXPECT_EQ(bench.finish(true), "1000,1000 !1; ");
+}
+
+TEST(Stream, NumbersTellWhatWasLostWhileAway) {
+  Bench bench({{"fields", text("line x z")}, {"spacing", OptionValue(2.0)}});
+  const auto away = [&](std::string_view rows) {
+    bench.decoder.reset();
+    bench.feed(rows);
+    bench.finish();
+    return bench.decoder.lost_while_away();
+  };
+  EXPECT_EQ(away("4 0 1\n"), std::nullopt);
+  EXPECT_EQ(away("9 0 1\n"), 4U);
+  EXPECT_EQ(away("10 0 1\n"), 0U);
+  EXPECT_EQ(away("2 0 1\n"), std::nullopt) << "counts anew";
+}
+
+TEST(Stream, TheWayGoesOnOverALoss) {
+  const auto place = [](Bench& bench, std::string_view rows, std::int64_t at_ms) {
+    Gap gap;
+    LineBuffer line;
+    bench.feed(rows, 1000, at_ms);
+    bench.decoder.finish({}, true);
+    Decoder::Step step;
+    do step = bench.decoder.decode({}, {}, line, gap);
+    while (step.what == Decoded::gap);
+    EXPECT_EQ(step.what, Decoded::line);
+    bench.decoder.reset();
+    return line.xyz[1].at(0);
+  };
+  Bench steps({{"fields", text("line x z")}, {"spacing", OptionValue(2.0)}});
+  EXPECT_EQ(place(steps, "4 0 1\n", 0), 0);
+  EXPECT_EQ(place(steps, "9 0 1\n", 0), 10'000) << "lost ones leave their room";
+  EXPECT_EQ(place(steps, "2 0 1\n", 0), 12'000) << "how many is not told";
+  Bench encoder({{"fields", text("x z encoder")}, {"encoder", OptionValue(0.5)}});
+  EXPECT_EQ(place(encoder, "0 1 100\n", 0), 0);
+  EXPECT_EQ(place(encoder, "0 1 160\n", 0), 30'000);
+  Bench time({{"fields", text("x z time")}, {"speed", OptionValue(2.0)}});
+  EXPECT_EQ(place(time, "0 1 10\n", 0), 0);
+  EXPECT_EQ(place(time, "0 1 15\n", 5000), 10'000);
+  EXPECT_EQ(place(time, "0 1 0.5\n", 8000), 16'000) << "its clock began anew: by the host's";
 }
 
 TEST(Stream, ErrorsNameKeyReasonAndFix) {

@@ -100,6 +100,21 @@ TEST_F(Transcript, OtherQuestionsAreRefused) {
   EXPECT_EQ(written.assume_error().code, Errc::undecodable);
 }
 
+TEST_F(Transcript, ATimerMayBeDueWhereTheDeviceWasLeftThen) {
+  for (const bool is_last : {true, false}) {
+    write(std::string("O 10 1010\n> 20 1020 ask\n< 30 1030 answer\n> 40 1040 bye\n< 50 1050 bye\n") +
+          (is_last ? "" : "> 60 1060 more\n") + "C 70 1070\n");
+    auto played = transcript_transport(path_);
+    ASSERT_TRUE(played->open());
+    ASSERT_TRUE(played->write("ask", 0));
+    EXPECT_EQ(read_all(*played), "answer");
+    EXPECT_EQ(bool(played->write("ask", 0)), is_last);
+    if (is_last) {
+      EXPECT_EQ(read_all(*played), "[end]");
+    }
+  }
+}
+
 TEST_F(Transcript, OfATranscriptIsTheSame) {
   const std::string text = "# scansion raw transcript 1\nO 10 1010\n< 30 1030 one\\xff\nC 30 1030\n";
   write(text);

@@ -162,13 +162,56 @@ TEST(Score, PatchesAndForms) {
   found.forms = {{FormKind::slot, {4}, 1.0}};
   Score score = judge(truth, found);
   EXPECT_DOUBLE_EQ(score.rand_index, 1.0);
-  EXPECT_EQ(score.forms, 1U);
-  EXPECT_EQ(score.forms_named, 1U);
+  const auto slots = [&] { return score.forms[static_cast<std::size_t>(FormKind::slot)]; };
+  EXPECT_EQ(slots().there, 1U);
+  EXPECT_EQ(slots().named, 1U);
+  EXPECT_EQ(slots().right, 1U);
   found.forms[0].kind = FormKind::pocket;
   found.patches[1] = {9, 9};
   score = judge(truth, found);
   EXPECT_LT(score.rand_index, 1.0);
-  EXPECT_EQ(score.forms_named, 0U);
+  EXPECT_EQ(slots().named, 0U);
+  EXPECT_EQ(score.forms[static_cast<std::size_t>(FormKind::pocket)].said, 1U);
+  EXPECT_EQ(score.forms[static_cast<std::size_t>(FormKind::pocket)].right, 0U);
+}
+
+TEST(Score, AFormSaidInPiecesIsNamedOnce) {
+  Truth truth = two_creases();
+  truth.patches = {{FormKind::face, 6}, {FormKind::slot, 4}};
+  truth.forms = {{FormKind::slot, 0, {1}}};
+  truth.lines = {{{3, 0}, {2, 1}}};
+  Found found;
+  found.patches = {{9, 9, 9, 4, 4}};
+  found.forms = {{FormKind::slot, {4}, 1.0}, {FormKind::slot, {4}, 1.0}};
+  const FormCount all = sum_of(judge(truth, found).forms);
+  EXPECT_EQ(all.said, 2U);
+  EXPECT_EQ(all.right, 2U);
+  EXPECT_EQ(all.there, 1U);
+  EXPECT_EQ(all.named, 1U);
+}
+
+TEST(Score, AStepNeedsBothItsLevels) {
+  Truth truth = two_creases();
+  truth.patches = {{FormKind::face, 6}, {FormKind::face, 4}};
+  truth.forms = {{FormKind::step, 0, {0, 1}}};
+  truth.lines = {{{3, 0}, {2, 1}}};
+  Found found;
+  found.patches = {{9, 9, 9, 4, 4}};
+  found.forms = {{FormKind::step, {9}, 1.0}};
+  EXPECT_EQ(sum_of(judge(truth, found).forms).named, 0U);
+  found.forms = {{FormKind::step, {4, 9}, 1.0}};
+  EXPECT_EQ(sum_of(judge(truth, found).forms).named, 1U);
+}
+
+TEST(Score, AFormOnAPatchThatHoldsEverythingIsNotNamed) {
+  Truth truth = two_creases();
+  truth.patches = {{FormKind::face, 6}, {FormKind::slot, 4}};
+  truth.forms = {{FormKind::slot, 0, {1}}};
+  truth.lines = {{{3, 0}, {2, 1}}};
+  Found found;
+  found.patches = {{9, 9, 9, 9, 9}};
+  found.forms = {{FormKind::slot, {9}, 1.0}};
+  EXPECT_EQ(sum_of(judge(truth, found).forms).named, 0U);
 }
 
 TEST(FoundFile, ReadsTheTextForms) {

@@ -156,7 +156,7 @@ TEST_F(Scip, EveryRayMeetsThePlate) {
     const double angle = 2.0 * std::numbers::pi * (step - 540) / 1440;
     const double range = 300.0 / std::cos(angle);
     const bool is_on_plate = std::cos(angle) > 0.0 && std::abs(300.0 * std::tan(angle)) <= 500.0;
-    EXPECT_EQ(samples[static_cast<std::size_t>(step)].distance, is_on_plate ? std::lround(range) : 1) << step;
+    EXPECT_EQ(samples[static_cast<std::size_t>(step)].echoes[0].distance, is_on_plate ? std::lround(range) : 1) << step;
     seen += is_on_plate;
   }
   EXPECT_EQ(seen, 473);
@@ -178,7 +178,7 @@ TEST_F(Scip, OldModeKnowsOneCommand) {
   ScipPlan plan;
   plan.starts_in_scip1 = true;
   device(plan);
-  EXPECT_EQ(ask("QT\n"), "QT\nE\n\n");
+  EXPECT_EQ(ask("\nQT\r\n"), "\nE\n\nQT\nE\n\n");
   EXPECT_EQ(ask("SCIP2.0\n"), "SCIP2.0\n0\n\n");
   EXPECT_EQ(ask("QT\n"), "QT\n00P\n\n");
 }
