@@ -21,28 +21,6 @@ namespace {
 #if defined(__AVX2__)
 
 // What AVX2 and AVX-512 do alike: all but the sets of lanes.
-struct Halves4 {
-  static constexpr unsigned kLanes = 4;
-  using V = __m128i;
-  static V load(const std::uint32_t* p) { return _mm_loadu_si128(reinterpret_cast<const __m128i*>(p)); }
-  static V spread(const std::uint32_t* p) { return _mm_set1_epi32(static_cast<int>(*p)); }
-  static V zero() { return _mm_setzero_si128(); }
-  static V across(V a) {
-    const V turned = _mm_or_si128(_mm_slli_epi32(a, 16), _mm_srli_epi32(a, 16));
-    return _mm_sign_epi16(turned, _mm_set1_epi32(0x0001FFFF));
-  }
-  static V sub16(V a, V b) { return _mm_sub_epi16(a, b); }
-  static V madd(V a, V b) { return _mm_madd_epi16(a, b); }
-  static V abs32(V a) { return _mm_abs_epi32(a); }
-  static V max32(V a, V b) { return _mm_max_epi32(a, b); }
-  static V min32(V a, V b) { return _mm_min_epi32(a, b); }
-  static V top(V a) {
-    a = _mm_max_epi32(a, _mm_shuffle_epi32(a, 0x4E));
-    return _mm_max_epi32(a, _mm_shuffle_epi32(a, 0xB1));
-  }
-  static std::int32_t lane0(V a) { return _mm_cvtsi128_si32(a); }
-};
-
 struct Halves8 {
   static constexpr unsigned kLanes = 8;
   using V = __m256i;
@@ -70,35 +48,7 @@ struct Halves8 {
 
 #if defined(__AVX512BW__) && defined(__AVX512VL__) && defined(__AVX512DQ__)
 
-struct Lanes4 : Halves4 {
-  using M = __mmask8;
-  static M first(unsigned count) { return static_cast<M>((1U << count) - 1U); }
-  static M inside(V dot, V length) {
-    return _mm_mask_cmplt_epi32_mask(_mm_cmpgt_epi32_mask(dot, _mm_setzero_si128()), dot, length);
-  }
-  static V keep(M m, V a) { return _mm_maskz_mov_epi32(m, a); }
-  static M equal(V a, V b) { return _mm_cmpeq_epi32_mask(a, b); }
-  static M both(M a, M b) { return static_cast<M>(a & b); }
-  static bool covers(M a, M b) { return (b & ~a) == 0; }
-  static M without(M a, M b) { return static_cast<M>(a & ~b); }
-  static std::uint32_t bits(M m) { return m; }
-};
-
-struct Lanes8 : Halves8 {
-  using M = __mmask8;
-  static M first(unsigned count) { return static_cast<M>((1U << count) - 1U); }
-  static M inside(V dot, V length) {
-    return _mm256_mask_cmplt_epi32_mask(_mm256_cmpgt_epi32_mask(dot, _mm256_setzero_si256()), dot, length);
-  }
-  static V keep(M m, V a) { return _mm256_maskz_mov_epi32(m, a); }
-  static M equal(V a, V b) { return _mm256_cmpeq_epi32_mask(a, b); }
-  static M both(M a, M b) { return static_cast<M>(a & b); }
-  static bool covers(M a, M b) { return (b & ~a) == 0; }
-  static M without(M a, M b) { return static_cast<M>(a & ~b); }
-  static std::uint32_t bits(M m) { return m; }
-};
-
-struct Lanes16 {
+struct Lanes {
   static constexpr unsigned kLanes = 16;
   using V = __m512i;
   using M = __mmask16;
@@ -165,21 +115,7 @@ struct Reals {
 // Eight ones, then eight zeros: a window of it selects the first lanes.
 alignas(64) inline constexpr std::int32_t kWindow[16] = {-1, -1, -1, -1, -1, -1, -1, -1, 0, 0, 0, 0, 0, 0, 0, 0};
 
-struct Lanes4 : Halves4 {
-  using M = __m128i;
-  static M first(unsigned count) { return _mm_loadu_si128(reinterpret_cast<const __m128i*>(kWindow + 8 - count)); }
-  static M inside(V dot, V length) {
-    return _mm_and_si128(_mm_cmpgt_epi32(dot, _mm_setzero_si128()), _mm_cmpgt_epi32(length, dot));
-  }
-  static V keep(M m, V a) { return _mm_and_si128(m, a); }
-  static M equal(V a, V b) { return _mm_cmpeq_epi32(a, b); }
-  static M both(M a, M b) { return _mm_and_si128(a, b); }
-  static bool covers(M a, M b) { return _mm_testc_si128(a, b) != 0; }
-  static M without(M a, M b) { return _mm_andnot_si128(b, a); }
-  static std::uint32_t bits(M m) { return static_cast<std::uint32_t>(_mm_movemask_ps(_mm_castsi128_ps(m))); }
-};
-
-struct Lanes8 : Halves8 {
+struct Lanes : Halves8 {
   using M = __m256i;
   static M first(unsigned count) { return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(kWindow + 8 - count)); }
   static M inside(V dot, V length) {
@@ -192,7 +128,6 @@ struct Lanes8 : Halves8 {
   static M without(M a, M b) { return _mm256_andnot_si256(b, a); }
   static std::uint32_t bits(M m) { return static_cast<std::uint32_t>(_mm256_movemask_ps(_mm256_castsi256_ps(m))); }
 };
-using Lanes16 = Lanes8;
 
 struct Reals {
   static constexpr unsigned kLanes = 4;
@@ -228,22 +163,16 @@ struct Reals {
 
 #else
 
-struct Lanes4 {
-  static constexpr unsigned kLanes = 4;
+template <unsigned n>
+struct Halves {
+  static constexpr unsigned kLanes = n;
   struct V {
     std::int32_t lane[kLanes];
   };
-  using M = std::uint32_t;
   template <class Each>
   static V make(Each each) {
     V r{};
     for (unsigned i = 0; i < kLanes; ++i) r.lane[i] = each(i);
-    return r;
-  }
-  template <class Each>
-  static M mask(Each each) {
-    M r = 0;
-    for (unsigned i = 0; i < kLanes; ++i) r |= static_cast<M>(each(i) ? 1U : 0U) << i;
     return r;
   }
   static std::int32_t low(std::int32_t v) { return static_cast<std::int16_t>(v); }
@@ -286,6 +215,16 @@ struct Lanes4 {
     return make([&](unsigned) { return r; });
   }
   static std::int32_t lane0(V a) { return a.lane[0]; }
+};
+
+struct Lanes : Halves<4> {
+  using M = std::uint32_t;
+  template <class Each>
+  static M mask(Each each) {
+    M r = 0;
+    for (unsigned i = 0; i < kLanes; ++i) r |= static_cast<M>(each(i) ? 1U : 0U) << i;
+    return r;
+  }
   static M first(unsigned count) { return (1U << count) - 1U; }
   static M inside(V dot, V length) {
     return mask([&](unsigned i) { return dot.lane[i] > 0 && dot.lane[i] < length.lane[i]; });
@@ -301,8 +240,6 @@ struct Lanes4 {
   static M without(M a, M b) { return a & ~b; }
   static std::uint32_t bits(M m) { return m; }
 };
-using Lanes8 = Lanes4;
-using Lanes16 = Lanes4;
 
 struct Reals {
   static constexpr unsigned kLanes = 2;
@@ -338,29 +275,6 @@ struct Reals {
 };
 
 #endif
-
-// The middle one of three points against the chord of the others, in 16 bit halves.
-struct Lone {
-  std::int32_t cross, dot, squared;
-
-#if defined(__AVX2__)
-  // Reads a fourth point and does not look at it.
-  static Lone of(const std::uint32_t* points) {
-    const __m128i three = Lanes4::load(points);
-    const __m128i steps = _mm_sub_epi16(three, _mm_shuffle_epi32(three, 0x00)); // 0, to the point, along the chord
-    const __m128i along = _mm_shuffle_epi32(steps, 0xAA);
-    const __m128i products = _mm_madd_epi16(steps, along);
-    const __m128i crosses = _mm_madd_epi16(steps, Lanes4::across(along));
-    return {_mm_extract_epi32(crosses, 1), _mm_extract_epi32(products, 1), _mm_extract_epi32(products, 2)};
-  }
-#else
-  static Lone of(const std::uint32_t* points) {
-    const auto u = [&](unsigned k) { return static_cast<std::int16_t>(points[k] - points[0]); };
-    const auto v = [&](unsigned k) { return static_cast<std::int16_t>((points[k] >> 16U) - (points[0] >> 16U)); };
-    return {u(2) * v(1) - v(2) * u(1), u(1) * u(2) + v(1) * v(2), u(2) * u(2) + v(2) * v(2)};
-  }
-#endif
-};
 
 } // namespace
 } // namespace scansion

@@ -17,11 +17,12 @@ struct OrderJob {
   // Scratch.
   std::uint64_t* keys;   ///< n
   std::uint64_t* sorted; ///< n
+  std::uint32_t* digits; ///< n
   std::uint32_t* counts; ///< kOrderCounts
 };
 
-/// A table of 256 for each byte of a key.
-inline constexpr std::size_t kOrderCounts = std::size_t{8} * 256;
+/// Two tables of digits.
+inline constexpr std::size_t kOrderCounts = std::size_t{2} << 14U;
 
 /// Indexes of more points do not fit a key.
 inline constexpr std::size_t kOrderPoints = std::size_t{1} << 24U;

@@ -5,6 +5,7 @@
 
 #include "pipeline/rank/lanes.hpp"
 #include "pipeline/rank/planar_far.hpp"
+#include "pipeline/rank/short_search.hpp"
 #include "pipeline/rank/vector_tree.hpp"
 
 namespace scansion {
@@ -12,22 +13,24 @@ namespace {
 
 class PlanarSearch {
 public:
-  // One inner point, up to 4, 8, 16, 32, 64, more; then, for those that reach too far for 16 bits, up to 8, 16, more.
-  static constexpr unsigned kClasses = 11;
-  static constexpr bool kLone = true;
-  static constexpr unsigned kMore = 7;
-  static constexpr unsigned kFar8 = 8;
-  static constexpr unsigned kFar16 = 9;
-  static constexpr unsigned kFar = 10;
+  // Up to 14 inner points exactly; up to 32, 64, more; then, for those that reach too far for 16 bits, up to 8, 16, more.
+  static constexpr unsigned kExact = 14;
+  static constexpr unsigned kShort32 = 15;
+  static constexpr unsigned kShort64 = 16;
+  static constexpr unsigned kMore = 17;
+  static constexpr unsigned kFar8 = 18;
+  static constexpr unsigned kFar16 = 19;
+  static constexpr unsigned kFar = 20;
+  static constexpr unsigned kClasses = 21;
   static constexpr std::int32_t kShortReach = 1 << 15;
 
   static std::uint32_t least_inner(unsigned c) {
-    constexpr std::uint32_t kLeast[kClasses] = {0, 1, 2, 5, 9, 17, 33, 65, 1, 9, 17};
-    return kLeast[c];
+    constexpr std::uint32_t kLeast[kClasses - kExact] = {kExact, kExact + 1, 33, 65, 1, 9, 17};
+    return c < kExact ? c : kLeast[c - kExact];
   }
 
   static constexpr unsigned part_class(unsigned c) { return c == kFar ? kMore : c - 1; }
-  static constexpr bool is_short(unsigned c) { return c > 1 && c <= kMore; }
+  static constexpr bool is_short(unsigned c) { return c <= kMore; }
 
   explicit PlanarSearch(const VectorJob& job) : job_(job), far_(job) {
     const std::uint32_t n = job.n;
@@ -74,13 +77,9 @@ public:
 
   template <unsigned c>
   void find(Batch& batch, unsigned count) {
-    if constexpr (c == 1) find_lone(batch, count);
     batch.apart_count = 0;
-    if constexpr (c == 2) find_short<Lanes4, 4>(batch, count);
-    if constexpr (c == 3) find_short<Lanes8, 8>(batch, count);
-    if constexpr (c == 4) find_short<Lanes16, 16>(batch, count);
-    if constexpr (c == 5) find_short<Lanes16, 32>(batch, count);
-    if constexpr (c == 6) find_short<Lanes16, 64>(batch, count);
+    if constexpr (c == kShort32) find_short<32>(batch, count);
+    if constexpr (c == kShort64) find_short<64>(batch, count);
     if constexpr (c < kMore) return;
     for (unsigned i = 0; i < count; ++i) {
       if (c != kFar8 && c != kFar16 && guarded(batch, i)) {
@@ -100,6 +99,18 @@ public:
     }
   }
 
+  template <unsigned c>
+  std::uint32_t split_eight(const Waiting* w, Parts& parts) const {
+    if constexpr (c == 1) {
+      split_eight_lone(job_.pairs, w, parts);
+      return 0;
+    } else {
+      return scansion::split_eight<c>(job_.pairs, w, parts);
+    }
+  }
+  /// The one interval of a batch.
+  void find_apart(Batch& batch) const { far_.find_mixed(batch, 0); }
+
 private:
   struct ClassOfLength {
     static constexpr std::uint32_t kLongest = 66;
@@ -107,12 +118,11 @@ private:
     std::uint8_t in_doubles[kLongest + 1];
   };
   static constexpr ClassOfLength class_of_length() {
-    constexpr unsigned kMostInner[] = {0, 1, 4, 8, 16, 32, 64, 65};
     ClassOfLength r{};
-    for (unsigned length = 1, c = 0; length <= ClassOfLength::kLongest; ++length) {
+    for (unsigned length = 1; length <= ClassOfLength::kLongest; ++length) {
       const unsigned inner = length - 1;
-      if (inner > kMostInner[c]) ++c;
-      r.in_halves[length] = static_cast<std::uint8_t>(c);
+      r.in_halves[length] =
+          static_cast<std::uint8_t>(inner <= kExact ? inner : inner <= 32 ? kShort32 : inner <= 64 ? kShort64 : kMore);
       r.in_doubles[length] = static_cast<std::uint8_t>(inner == 0 ? 0 : inner <= 8 ? kFar8 : inner <= 16 ? kFar16 : kFar);
     }
     return r;
@@ -139,40 +149,9 @@ private:
     return false;
   }
 
-  void find_lone(Batch& batch, unsigned count) {
-    std::int32_t cross[kBatch];
-    std::int32_t dot[kBatch];
-    std::int32_t squared[kBatch];
-    for (unsigned i = 0; i < count; ++i) {
-      const std::uint32_t a = batch.interval[i].a;
-      const Lone lone = Lone::of(job_.pairs + a);
-      batch.index[i] = a + 1;
-      cross[i] = lone.cross;
-      dot[i] = lone.dot;
-      squared[i] = lone.squared;
-    }
-    unsigned outside = 0;
-    for (unsigned i = 0; i < count; ++i) {
-      outside |= dot[i] <= 0 || dot[i] >= squared[i] ? 1U : 0U;
-      const double c = cross[i];
-      batch.numerator[i] = c * c;
-      batch.denominator[i] = squared[i];
-    }
-    if (outside == 0) return;
-    for (unsigned i = 0; i < count; ++i) {
-      if (dot[i] > 0 && dot[i] < squared[i]) continue;
-      const std::uint32_t a = batch.interval[i].a;
-      const std::uint32_t end = dot[i] > 0 ? a + 2 : a;
-      const std::int32_t fu = job_.u[a + 1] - job_.u[end];
-      const std::int32_t fv = job_.v[a + 1] - job_.v[end];
-      // |f| stays below 2^15 on each axis, as the reach does, so the sum of squares fits.
-      batch.numerator[i] = fu * fu + fv * fv;
-      batch.denominator[i] = 1;
-    }
-  }
-
-  template <class L, unsigned kInner>
+  template <unsigned kInner>
   void find_short(Batch& batch, unsigned count) {
+    using L = Lanes;
     constexpr unsigned kVectors = (kInner + L::kLanes - 1) / L::kLanes;
     for (unsigned i = 0; i < count; ++i) {
       const auto [a, b] = batch.interval[i];
@@ -206,7 +185,7 @@ private:
   }
 
   void find_more(Batch& batch, unsigned i) {
-    using L = Lanes16;
+    using L = Lanes;
     const auto [a, b] = batch.interval[i];
     const Chord<L> chord(job_.pairs + a, job_.pairs + b);
     typename L::V most = L::zero();

@@ -95,14 +95,15 @@ RankUnit unit_for(RankUnit wanted, std::size_t points) noexcept {
 }
 
 struct Ranker::Scratch {
-  struct Waiting {
+  struct Part {
     std::uint32_t a, b, depth;
     double parent;
   };
-  std::vector<Waiting> stack;
+  std::vector<Part> stack;
   std::vector<std::int32_t> copies;
   std::vector<std::uint32_t> pairs, reach;
-  std::vector<Interval> runs, waiting;
+  std::vector<Interval> runs;
+  std::vector<Waiting> waiting;
   Guard guard;
 
   void reserve(std::size_t n) {
@@ -199,7 +200,7 @@ void Ranker::rank_one_by_one(const RunPoints& run, std::span<double> distance, s
     stack.clear();
     stack.push_back({0, static_cast<std::uint32_t>(run.size() - 1), 1, kInfinity});
     while (!stack.empty()) {
-      Scratch::Waiting i = stack.back();
+      Scratch::Part i = stack.back();
       stack.pop_back();
       while (i.b - i.a >= 2) {
         std::size_t split;
@@ -215,8 +216,8 @@ void Ranker::rank_one_by_one(const RunPoints& run, std::span<double> distance, s
         depth[split] = i.depth;
         // The longer half waits, the shorter one is next: the stack stays below log2(n) entries.
         const auto k = static_cast<std::uint32_t>(split);
-        const Scratch::Waiting left{i.a, k, i.depth + 1, d};
-        const Scratch::Waiting right{k, i.b, i.depth + 1, d};
+        const Scratch::Part left{i.a, k, i.depth + 1, d};
+        const Scratch::Part right{k, i.b, i.depth + 1, d};
         const bool left_is_longer = k - i.a > i.b - k;
         stack.push_back(left_is_longer ? left : right);
         i = left_is_longer ? right : left;

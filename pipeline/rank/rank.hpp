@@ -81,7 +81,7 @@ public:
 private:
   RankUnit wanted_;
   std::vector<std::uint64_t> keys_, sorted_;
-  std::vector<std::uint32_t> counts_;
+  std::vector<std::uint32_t> digits_, counts_;
 };
 
 /// Exact distance in mm of point p to the segment a-b, by the one formula of the Ranker.

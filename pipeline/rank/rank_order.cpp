@@ -52,6 +52,7 @@ void RankSorter::sort(std::span<const double> distance, std::span<const std::uin
   if (keys_.size() < n) {
     keys_.resize(n);
     sorted_.resize(n);
+    digits_.resize(n);
   }
   const OrderJob job{.distance = distance.data(),
                      .depth = depth.data(),
@@ -59,6 +60,7 @@ void RankSorter::sort(std::span<const double> distance, std::span<const std::uin
                      .order = order.data(),
                      .keys = keys_.data(),
                      .sorted = sorted_.data(),
+                     .digits = digits_.data(),
                      .counts = counts_.data()};
   if (order_by_vectors(job, unit_for(wanted_, n))) return;
   const auto comes_first = [&](std::uint32_t i, std::uint32_t j) {

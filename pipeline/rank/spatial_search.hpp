@@ -15,7 +15,7 @@ template <bool kRounded>
 class SpatialSearch {
 public:
   static constexpr std::uint32_t kWide = 1U << 25U;
-  static constexpr bool kLone = false;
+  static constexpr unsigned kExact = 0;
   static constexpr unsigned kClasses = 4; // up to 8 inner points, 16, more
   static std::uint32_t least_inner(unsigned c) {
     constexpr std::uint32_t kLeast[kClasses] = {0, 1, 9, 17};
@@ -58,16 +58,16 @@ private:
 
   // Squared sums of three products are off by less than this, relatively.
   static constexpr double kNearly = 1.0 - 0x1p-50;
-  static constexpr double kExact = 0x1p53;
+  static constexpr double kExactBelow = 0x1p53;
 
   // Points below this squared length cannot be the farthest when `top` has been seen; equal to top when all is exact.
   [[nodiscard]] double bound_for(double top) const {
-    if (!kRounded) return top < kExact ? top : top * kNearly;
+    if (!kRounded) return top < kExactBelow ? top : top * kNearly;
     const double least = (__builtin_sqrt(top) * kNearly - 2 * cross_off_) * (1.0 - 0x1p-48);
     return least > 0 ? least * least * kNearly : 0.0;
   }
   // Whether several points above the bound are ties, rather than too close to tell.
-  [[nodiscard]] static bool ties_are_exact(double top) { return !kRounded && top < kExact; }
+  [[nodiscard]] static bool ties_are_exact(double top) { return !kRounded && top < kExactBelow; }
 
   struct Chord {
     V base[3], along[3], length;
@@ -122,7 +122,7 @@ private:
     if constexpr (kRounded)
       batch.put(i, job_.measure(job_, a, b, k));
     else
-      batch.put(i, k, top < kExact ? top : squared_cross(a, k, chord), chord.squared);
+      batch.put(i, k, top < kExactBelow ? top : squared_cross(a, k, chord), chord.squared);
   }
 
   template <unsigned kInner>

@@ -12,6 +12,16 @@ struct Interval {
   std::uint32_t a, b;
 };
 
+/// An interval that waits for its split. Its level in the tree is kept where its end follows from the class it waits in.
+struct Waiting {
+  std::uint32_t a;
+  union {
+    std::uint32_t level; ///< depth of the point that will split it
+    std::uint32_t b;
+  };
+  double bound; ///< squared distance of the point that split its parent
+};
+
 /// The farthest inner point of an interval and its exact squared distance in counts, as two nearest doubles.
 struct Found {
   std::uint32_t index;
@@ -44,7 +54,7 @@ struct VectorJob {
   std::int32_t* copies; ///< 3 * (n + kVectorPad)
   std::uint32_t* pairs; ///< n + kVectorPad
   std::uint32_t* reach; ///< n + kVectorPad
-  Interval* waiting;    ///< waiting_intervals(n)
+  Waiting* waiting;     ///< waiting_intervals(n)
 
   Search exact; ///< searches any interval, point after point
   /// The exact distance of point k, which is inside the ends of the chord.
@@ -61,11 +71,9 @@ struct VectorJob {
 
 /// So many steps between neighbours are summed at once.
 inline constexpr std::uint32_t kReachBlock = 8;
-/// Copies of waiting intervals read this far.
-inline constexpr std::size_t kWaitingPad = 64;
 
 [[nodiscard]] constexpr std::size_t waiting_intervals(std::size_t n) noexcept {
-  return 4 * n + kWaitingPad + 256;
+  return 5 * n + 1024;
 }
 
 /// All give the same results.

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "pipeline/rank/vector_job.hpp"
+#include "pipeline/rank/eight.hpp"
 
 namespace scansion {
 namespace {
@@ -12,6 +12,7 @@ inline constexpr unsigned kBatch = 64;
 /// What one batch of intervals found, by place in the batch.
 struct Batch {
   Interval interval[kBatch];
+  double bound[kBatch]; ///< squared distance of the parent
   std::uint32_t index[kBatch];
   double numerator[kBatch], denominator[kBatch]; ///< of the squared distance; or, for classes of short reach:
   std::int32_t cross[kBatch], squared[kBatch];   ///< numerator = cross^2, denominator = squared, but for those in `apart`
@@ -138,65 +139,75 @@ inline void bisect(std::uint32_t a, std::uint32_t b, std::uint32_t first_depth, 
   }
 }
 
-// Search has: kClasses; class_of(a, b), 0 for intervals without inner points, and class_of_part<c>, the same for parts of an
-// interval of class c, which are never of a higher class; least_inner(class); is_short(class), whether its results are
-// crosses; part_class(class), the one most of its parts are of; kLone, whether class 1 has one inner point only;
-// find<class>(batch, count).
+// Search has: kClasses; kExact, intervals of class c <= kExact have c inner points; class_of(a, b), 0 for intervals without
+// inner points, and class_of_part<c>, the same for parts of an interval of class c, which are never of a higher class;
+// least_inner(class); is_short(class), whether its results are crosses; part_class(class), the one most of its parts are of;
+// find<class>(batch, count); for exact classes split_eight<class>(waiting, parts), a bit for each one not split, and
+// find_apart(batch), one interval.
 template <class Search>
 class Tree {
 public:
   Tree(const VectorJob& job, Search& search) : search_(search), q_(job.distance), depth_(job.depth) {
     const std::uint32_t n = job.n;
-    Interval* place = job.waiting;
+    Waiting* place = job.waiting;
     for (unsigned c = 0; c < Search::kClasses; ++c) {
       first_[c] = end_[c] = place;
-      place += c == 0 ? 2 * kBatch : n / Search::least_inner(c) + 2;
+      place += c == 0 ? 2 * kBatch : n / Search::least_inner(c) + 2 + kEight;
     }
     for (std::uint32_t r = 0; r < job.run_count; ++r) {
       const auto [a, b] = job.runs[r];
       q_[a] = q_[b] = __builtin_inf();
       depth_[a] = depth_[b] = 0;
-      if (b > a + 1) wait(a, b, search.class_of(a, b));
+      if (b > a + 1) wait(search.class_of(a, b), a, b, 1, __builtin_inf());
     }
     grow<Search::kClasses - 1>();
   }
 
 private:
-  // Class 0 is kept as well and dropped after each batch: cheaper than a branch that nothing predicts.
-  void wait(std::uint32_t a, std::uint32_t b, unsigned c) {
-    Interval* const place = end_[c];
-    *place = {a, b};
-    end_[c] = place + 1;
-  }
+  static constexpr unsigned kEight = 8;
+  // So many parts of long intervals wait before short ones are split: they stay in the cache.
+  static constexpr unsigned kDrain = 1024;
 
-  // In blocks: a few intervals more than asked for cost less than exactness.
-  void copy_batch(const Interval* from, unsigned some) {
-    constexpr unsigned kBlock = 4;
-    static_assert(kBatch % kBlock == 0 && kWaitingPad >= kBlock);
-    for (unsigned i = 0; i < some; i += kBlock) __builtin_memcpy(batch_.interval + i, from + i, kBlock * sizeof(Interval));
+  // Class 0 is kept as well and dropped after each batch: cheaper than a branch that nothing predicts.
+  void wait(unsigned c, std::uint32_t a, std::uint32_t b, std::uint32_t level, double bound) {
+    Waiting* const place = end_[c];
+    place->a = a;
+    place->b = c <= Search::kExact ? level : b;
+    place->bound = bound;
+    end_[c] = place + 1;
   }
 
   template <unsigned c>
   void grow() {
-    if constexpr (c > 0) {
+    if constexpr (c > Search::kExact) {
       while (end_[c] != first_[c]) {
         const auto some = static_cast<unsigned>(smaller<std::ptrdiff_t>(end_[c] - first_[c], kBatch));
-        end_[c] -= some;
-        copy_batch(end_[c], some);
+        const Waiting* const taken = end_[c] -= some;
+        for (unsigned i = 0; i < some; ++i) {
+          batch_.interval[i] = {taken[i].a, taken[i].b};
+          batch_.bound[i] = taken[i].bound;
+        }
         search_.template find<c>(batch_, some);
         if constexpr (Search::is_short(c))
           batch_.divide_short(some);
         else
           batch_.divide(some);
         split<c>(some);
-        end_[0] = first_[0];
         // Long runs: what has just been looked at is still in the cache.
-        if constexpr (c > 1) {
+        if constexpr (c > Search::kExact + 1) {
           constexpr unsigned kPart = Search::part_class(c);
           if (end_[kPart] - first_[kPart] >= kBatch) grow<c - 1>();
         }
+        if constexpr (Search::kExact > 0) {
+          if (parts_ >= kDrain) grow<Search::kExact>();
+        }
       }
       grow<c - 1>();
+    } else if constexpr (c > 0) {
+      if (end_[c] != first_[c]) grow_eights<c>();
+      grow<c - 1>();
+    } else {
+      parts_ = 0;
     }
   }
 
@@ -209,24 +220,81 @@ private:
       const std::uint32_t k = batch_.index[i];
       const double ratio = batch_.numerator[i];
       const std::uint32_t level = larger(depth[a], depth[b]) + 1;
-      // The parent is the end of the chord that was split last: the one of the smaller distance.
-      q[k] = smaller(ratio, smaller(q[a], q[b]));
+      const double bound = smaller(ratio, batch_.bound[i]);
+      q[k] = bound;
       depth[k] = level;
-      if constexpr (c == 1 && Search::kLone) continue;
       if (ratio == 0) {
         bisect(a, b, level, q, depth);
         continue;
       }
-      wait(a, k, search_.template class_of_part<c>(a, k));
-      wait(k, b, search_.template class_of_part<c>(k, b));
+      wait(search_.template class_of_part<c>(a, k), a, k, level + 1, bound);
+      wait(search_.template class_of_part<c>(k, b), k, b, level + 1, bound);
     }
+    end_[0] = first_[0];
+    parts_ += 2 * some;
+  }
+
+  // All that wait in an exact class; parts are of lower ones.
+  template <unsigned c>
+  void grow_eights() {
+    Waiting* const end = end_[c];
+    end_[c] = first_[c];
+    for (Waiting* w = first_[c]; w < end; w += kEight) {
+      const auto some = static_cast<unsigned>(smaller<std::ptrdiff_t>(end - w, kEight));
+      for (unsigned i = some; i < kEight; ++i) w[i] = w[0];
+      const std::uint32_t apart = search_.template split_eight<c>(w, parts_of_eight_);
+      if (apart == 0 && some == kEight) {
+#pragma GCC unroll 8
+        for (unsigned i = 0; i < kEight; ++i) put<c>(i);
+      } else {
+        for (unsigned i = 0; i < some; ++i) {
+          if ((apart >> i & 1U) == 0)
+            put<c>(i);
+          else
+            split_apart<c>(w[i]);
+        }
+      }
+      end_[0] = first_[0];
+    }
+  }
+
+  template <unsigned c>
+  void put(unsigned i) {
+    const Waiting right = parts_of_eight_.right[i];
+    q_[right.a] = right.bound;
+    depth_[right.a] = right.level - 1;
+    if constexpr (c > 1) {
+      const std::uint32_t at = parts_of_eight_.at[i];
+      *end_[at - 1]++ = parts_of_eight_.left[i];
+      *end_[c - at]++ = right;
+    }
+  }
+
+  template <unsigned c>
+  void split_apart(const Waiting& w) {
+    const std::uint32_t b = w.a + c + 1;
+    batch_.interval[0] = {w.a, b};
+    search_.find_apart(batch_);
+    const double ratio = batch_.numerator[0] / batch_.denominator[0];
+    const std::uint32_t k = batch_.index[0];
+    const double bound = smaller(ratio, w.bound);
+    q_[k] = bound;
+    depth_[k] = w.level;
+    if (ratio == 0) {
+      bisect(w.a, b, w.level, q_, depth_);
+      return;
+    }
+    wait(k - w.a - 1, w.a, k, w.level + 1, bound);
+    wait(b - k - 1, k, b, w.level + 1, bound);
   }
 
   Search& search_;
   double* q_; ///< squared distances in counts
   std::uint32_t* depth_;
-  Interval* first_[Search::kClasses];
-  Interval* end_[Search::kClasses];
+  Waiting* first_[Search::kClasses];
+  Waiting* end_[Search::kClasses];
+  unsigned parts_ = 0; ///< of long intervals, since the short ones were split last
+  Parts parts_of_eight_;
   Batch batch_;
 };
 

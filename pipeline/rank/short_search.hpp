@@ -1,0 +1,85 @@
+// Farthest points of short planar intervals in 16 bit halves, eight intervals of one length at once. Included by the units of
+// each instruction set.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "pipeline/rank/eight.hpp"
+
+namespace scansion {
+namespace {
+
+// The inner points of an interval, those closest to its middle first, the lower one of two: the order in which ties are decided.
+template <unsigned kInner>
+struct MiddleFirst {
+  std::uint8_t at[kInner];
+  constexpr MiddleFirst() : at{} {
+    unsigned next = 0;
+    for (unsigned off = 0; off <= kInner; ++off)
+      for (unsigned k = 1; k <= kInner; ++k)
+        if ((2 * k > kInner + 1 ? 2 * k - (kInner + 1) : kInner + 1 - 2 * k) == off) at[next++] = static_cast<std::uint8_t>(k);
+  }
+};
+
+/// Intervals of one inner point: splits them all.
+inline void split_eight_lone(const std::uint32_t* pairs, const Waiting* w, Parts& parts) {
+  using E = Eight;
+  E::V p[4];
+  E::four(pairs, w, p);
+  const E::V along = E::sub16(p[2], p[0]);
+  const E::V d = E::sub16(p[1], p[0]);
+  const E::V length = E::madd(along, along);
+  const E::V dot = E::madd(d, along);
+  const E::Real cross = E::real(E::madd(d, E::across(along)));
+  const E::V ahead_of_start = E::greater(dot, E::zero());
+  const E::V inside = E::both(ahead_of_start, E::greater(length, dot));
+  E::Real squared = E::mul(cross, cross);
+  E::Real over = E::real(length);
+  if (E::bits(inside) != (1U << E::kLanes) - 1) {
+    // Beyond an end of the chord the distance to that end counts. It stays below 2^15 counts on each axis, as the reach does.
+    const E::V f = E::pick(ahead_of_start, E::sub16(p[1], p[2]), d);
+    squared = E::pick(inside, squared, E::real(E::madd(f, f)));
+    over = E::pick(inside, over, E::real(E::set1(1)));
+  }
+  E::finish(w, E::set1(1), E::div(squared, over), parts);
+}
+
+/// Splits intervals of kInner inner points. Returns a bit for each one it did not: points beyond an end of the chord, or all of
+/// them on it.
+template <unsigned kInner>
+inline std::uint32_t split_eight(const std::uint32_t* pairs, const Waiting* w, Parts& parts) {
+  using E = Eight;
+  constexpr MiddleFirst<kInner> kOrder;
+  constexpr unsigned kFours = (kInner + 2 + 3) / 4;
+  E::V p[4 * kFours];
+#pragma GCC unroll 4
+  for (unsigned f = 0; f < kFours; ++f) E::four(pairs + 4 * f, w, p + 4 * f);
+  const E::V along = E::sub16(p[kInner + 1], p[0]);
+  const E::V across = E::across(along);
+  const E::V length = E::madd(along, along);
+  E::V cross[kInner + 1];
+  E::V nearest = length;
+  E::V farthest = E::zero();
+#pragma GCC unroll 16
+  for (unsigned k = 1; k <= kInner; ++k) {
+    const E::V d = E::sub16(p[k], p[0]);
+    const E::V dot = E::madd(d, along);
+    cross[k] = E::abs32(E::madd(d, across));
+    nearest = E::min32(nearest, dot);
+    farthest = E::max32(farthest, dot);
+  }
+  E::V top = cross[kOrder.at[0]];
+  E::V at = E::set1(kOrder.at[0]);
+#pragma GCC unroll 16
+  for (unsigned i = 1; i < kInner; ++i) {
+    const E::V here = cross[kOrder.at[i]];
+    at = E::pick(E::greater(here, top), E::set1(kOrder.at[i]), at);
+    top = E::max32(top, here);
+  }
+  const E::V inside = E::both(E::greater(nearest, E::zero()), E::greater(length, farthest));
+  const E::Real c = E::real(top);
+  E::finish(w, at, E::div(E::mul(c, c), E::real(length)), parts);
+  return ~E::bits(E::both(inside, E::greater(top, E::zero()))) & ((1U << E::kLanes) - 1);
+}
+
+} // namespace
+} // namespace scansion
