@@ -29,8 +29,6 @@ struct Eight : Halves8 {
   static V greater(V a, V b) { return _mm256_cmpgt_epi32(a, b); }
   static V both(V a, V b) { return _mm256_and_si256(a, b); }
   static V pick(V set, V yes, V no) { return _mm256_blendv_epi8(no, yes, set); }
-  static std::uint32_t bits(V set) { return static_cast<std::uint32_t>(_mm256_movemask_ps(_mm256_castsi256_ps(set))); }
-
   static void four(const std::uint32_t* pairs, const Waiting* w, V* p) {
     const auto load_two = [&](unsigned i) {
       return _mm256_inserti128_si256(_mm256_castsi128_si256(half(pairs + w[i].a)), half(pairs + w[i + 4].a), 1);
@@ -93,7 +91,7 @@ private:
 
 #else
 
-struct Eight : Halves<8> {
+struct Eight : Halves8 {
   struct Real {
     double lane[kLanes];
   };
@@ -115,11 +113,6 @@ struct Eight : Halves<8> {
   }
   static V pick(V set, V yes, V no) {
     return make([&](unsigned i) { return set.lane[i] != 0 ? yes.lane[i] : no.lane[i]; });
-  }
-  static std::uint32_t bits(V set) {
-    std::uint32_t r = 0;
-    for (unsigned i = 0; i < kLanes; ++i) r |= (set.lane[i] != 0 ? 1U : 0U) << i;
-    return r;
   }
   static void four(const std::uint32_t* pairs, const Waiting* w, V* p) {
     for (unsigned k = 0; k < 4; ++k) p[k] = make([&](unsigned i) { return static_cast<std::int32_t>(pairs[w[i].a + k]); });

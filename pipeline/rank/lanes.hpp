@@ -11,16 +11,16 @@
 namespace scansion {
 namespace {
 
-// Every Lanes type has: kLanes; V, a vector of 32 bit lanes, each lane also seen as two 16 bit halves; M, a set of lanes; load;
-// spread, one value in all lanes; across, the pair (-high, low) of each lane (low, high); sub16, difference of halves; madd,
-// sum of the products of both halves; abs32, max32, min32; top, the largest lane in all lanes; lane0; first(count); inside(dot,
-// length), 0 < dot < length; keep(M, V); equal; both, without, covers (a holds all of b); bits.
+// Every Halves type has: kLanes; V, a vector of 32 bit lanes, each lane also seen as two 16 bit halves; load; spread, one value
+// in all lanes; zero; across, the pair (-high, low) of each lane (low, high); sub16, difference of halves; madd, sum of the
+// products of both halves; abs32, max32, min32; top, the largest lane in all lanes; lane0; equal, a bit for each equal lane;
+// all_inside(nearest, farthest, length), 0 < nearest and farthest < length.
 // Every Reals type: kLanes doubles; load from int32, set1; sub, add, mul, mul_add, mul_sub (fused or not: what they give must
-// be exact either way); abs, max, min; top, the largest lane; the same sets, and at_least.
+// be exact either way); abs, max, min; top, the largest lane; M, a set of lanes: first(count); inside(dot, length), 0 < dot <
+// length; keep(M, V); equal; at_least; both, without; bits.
 
 #if defined(__AVX2__)
 
-// What AVX2 and AVX-512 do alike: all but the sets of lanes.
 struct Halves8 {
   static constexpr unsigned kLanes = 8;
   using V = __m256i;
@@ -42,6 +42,11 @@ struct Halves8 {
     return _mm256_max_epi32(a, _mm256_shuffle_epi32(a, 0xB1));
   }
   static std::int32_t lane0(V a) { return _mm_cvtsi128_si32(_mm256_castsi256_si128(a)); }
+  static std::uint32_t equal(V a, V b) { return bits(_mm256_cmpeq_epi32(a, b)); }
+  static bool all_inside(V nearest, V farthest, V length) {
+    return bits(_mm256_and_si256(_mm256_cmpgt_epi32(nearest, zero()), _mm256_cmpgt_epi32(length, farthest))) == 0xFFU;
+  }
+  static std::uint32_t bits(V set) { return static_cast<std::uint32_t>(_mm256_movemask_ps(_mm256_castsi256_ps(set))); }
 };
 
 #endif
@@ -51,7 +56,6 @@ struct Halves8 {
 struct Lanes {
   static constexpr unsigned kLanes = 16;
   using V = __m512i;
-  using M = __mmask16;
   static V load(const std::uint32_t* p) { return _mm512_loadu_si512(p); }
   static V spread(const std::uint32_t* p) { return _mm512_set1_epi32(static_cast<int>(*p)); }
   static V zero() { return _mm512_setzero_si512(); }
@@ -71,16 +75,10 @@ struct Lanes {
     return _mm512_max_epi32(a, _mm512_shuffle_epi32(a, _MM_PERM_CDAB));
   }
   static std::int32_t lane0(V a) { return _mm_cvtsi128_si32(_mm512_castsi512_si128(a)); }
-  static M first(unsigned count) { return static_cast<M>((1U << count) - 1U); }
-  static M inside(V dot, V length) {
-    return _mm512_mask_cmplt_epi32_mask(_mm512_cmpgt_epi32_mask(dot, _mm512_setzero_si512()), dot, length);
+  static std::uint32_t equal(V a, V b) { return _mm512_cmpeq_epi32_mask(a, b); }
+  static bool all_inside(V nearest, V farthest, V length) {
+    return _mm512_mask_cmplt_epi32_mask(_mm512_cmpgt_epi32_mask(nearest, zero()), farthest, length) == 0xFFFFU;
   }
-  static V keep(M m, V a) { return _mm512_maskz_mov_epi32(m, a); }
-  static M equal(V a, V b) { return _mm512_cmpeq_epi32_mask(a, b); }
-  static M both(M a, M b) { return static_cast<M>(a & b); }
-  static bool covers(M a, M b) { return (b & ~a) == 0; }
-  static M without(M a, M b) { return static_cast<M>(a & ~b); }
-  static std::uint32_t bits(M m) { return m; }
 };
 
 struct Reals {
@@ -115,19 +113,7 @@ struct Reals {
 // Eight ones, then eight zeros: a window of it selects the first lanes.
 alignas(64) inline constexpr std::int32_t kWindow[16] = {-1, -1, -1, -1, -1, -1, -1, -1, 0, 0, 0, 0, 0, 0, 0, 0};
 
-struct Lanes : Halves8 {
-  using M = __m256i;
-  static M first(unsigned count) { return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(kWindow + 8 - count)); }
-  static M inside(V dot, V length) {
-    return _mm256_and_si256(_mm256_cmpgt_epi32(dot, _mm256_setzero_si256()), _mm256_cmpgt_epi32(length, dot));
-  }
-  static V keep(M m, V a) { return _mm256_and_si256(m, a); }
-  static M equal(V a, V b) { return _mm256_cmpeq_epi32(a, b); }
-  static M both(M a, M b) { return _mm256_and_si256(a, b); }
-  static bool covers(M a, M b) { return _mm256_testc_si256(a, b) != 0; }
-  static M without(M a, M b) { return _mm256_andnot_si256(b, a); }
-  static std::uint32_t bits(M m) { return static_cast<std::uint32_t>(_mm256_movemask_ps(_mm256_castsi256_ps(m))); }
-};
+using Lanes = Halves8;
 
 struct Reals {
   static constexpr unsigned kLanes = 4;
@@ -163,9 +149,8 @@ struct Reals {
 
 #else
 
-template <unsigned n>
-struct Halves {
-  static constexpr unsigned kLanes = n;
+struct Halves8 {
+  static constexpr unsigned kLanes = 8;
   struct V {
     std::int32_t lane[kLanes];
   };
@@ -215,31 +200,23 @@ struct Halves {
     return make([&](unsigned) { return r; });
   }
   static std::int32_t lane0(V a) { return a.lane[0]; }
-};
-
-struct Lanes : Halves<4> {
-  using M = std::uint32_t;
-  template <class Each>
-  static M mask(Each each) {
-    M r = 0;
-    for (unsigned i = 0; i < kLanes; ++i) r |= static_cast<M>(each(i) ? 1U : 0U) << i;
+  static std::uint32_t equal(V a, V b) {
+    std::uint32_t r = 0;
+    for (unsigned i = 0; i < kLanes; ++i) r |= (a.lane[i] == b.lane[i] ? 1U : 0U) << i;
     return r;
   }
-  static M first(unsigned count) { return (1U << count) - 1U; }
-  static M inside(V dot, V length) {
-    return mask([&](unsigned i) { return dot.lane[i] > 0 && dot.lane[i] < length.lane[i]; });
+  static bool all_inside(V nearest, V farthest, V length) {
+    bool r = true;
+    for (unsigned i = 0; i < kLanes; ++i) r &= nearest.lane[i] > 0 && farthest.lane[i] < length.lane[i];
+    return r;
   }
-  static V keep(M m, V a) {
-    return make([&](unsigned i) { return (m >> i & 1U) != 0 ? a.lane[i] : 0; });
+  static std::uint32_t bits(V set) {
+    std::uint32_t r = 0;
+    for (unsigned i = 0; i < kLanes; ++i) r |= (set.lane[i] != 0 ? 1U : 0U) << i;
+    return r;
   }
-  static M equal(V a, V b) {
-    return mask([&](unsigned i) { return a.lane[i] == b.lane[i]; });
-  }
-  static M both(M a, M b) { return a & b; }
-  static bool covers(M a, M b) { return (b & ~a) == 0; }
-  static M without(M a, M b) { return a & ~b; }
-  static std::uint32_t bits(M m) { return m; }
 };
+using Lanes = Halves8;
 
 struct Reals {
   static constexpr unsigned kLanes = 2;

@@ -78,8 +78,8 @@ public:
   template <unsigned c>
   void find(Batch& batch, unsigned count) {
     batch.apart_count = 0;
-    if constexpr (c == kShort32) find_short<32>(batch, count);
-    if constexpr (c == kShort64) find_short<64>(batch, count);
+    if constexpr (c == kShort32) find_short<Halves8, 32>(batch, count);
+    if constexpr (c == kShort64) find_short<Lanes, 64>(batch, count);
     if constexpr (c < kMore) return;
     for (unsigned i = 0; i < count; ++i) {
       if (c != kFar8 && c != kFar16 && guarded(batch, i)) {
@@ -149,35 +149,39 @@ private:
     return false;
   }
 
-  template <unsigned kInner>
+  // The farthest of more inner points than a vector has lanes: the last vector overlaps the one before, so that all lanes count.
+  // More than half of kInner of them are looked at as if they were kInner.
+  template <class L, unsigned kInner>
   void find_short(Batch& batch, unsigned count) {
-    using L = Lanes;
-    constexpr unsigned kVectors = (kInner + L::kLanes - 1) / L::kLanes;
+    constexpr unsigned kVectors = kInner / L::kLanes;
     for (unsigned i = 0; i < count; ++i) {
       const auto [a, b] = batch.interval[i];
       const unsigned inner = b - a - 1;
       const std::uint32_t* const points = job_.pairs + a + 1;
       const Chord<L> chord(job_.pairs + a, job_.pairs + b);
       typename L::V cross[kVectors];
-      typename L::M lanes[kVectors];
+      unsigned first[kVectors];
       typename L::V most = L::zero();
-      bool all_inside = true;
+      typename L::V nearest = chord.length;
+      typename L::V farthest = L::zero();
+#pragma GCC unroll 8
       for (unsigned v = 0; v < kVectors; ++v) {
-        const unsigned before = v * L::kLanes;
-        lanes[v] = kVectors == 1 ? L::first(inner) : L::first(inner <= before ? 0 : smaller(inner - before, L::kLanes));
-        const auto d = L::sub16(L::load(points + before), chord.base);
-        cross[v] = L::keep(lanes[v], L::abs32(L::madd(d, chord.across)));
-        all_inside &= L::covers(L::inside(L::madd(d, chord.along), chord.length), lanes[v]);
-        most = v == 0 ? cross[v] : L::max32(most, cross[v]);
+        first[v] = smaller(v * L::kLanes, inner - L::kLanes);
+        const auto d = L::sub16(L::load(points + first[v]), chord.base);
+        const auto dot = L::madd(d, chord.along);
+        cross[v] = L::abs32(L::madd(d, chord.across));
+        most = L::max32(most, cross[v]);
+        nearest = L::min32(nearest, dot);
+        farthest = L::max32(farthest, dot);
       }
-      if (!all_inside) {
+      if (!L::all_inside(nearest, farthest, chord.length)) {
         find_mixed(batch, i);
         continue;
       }
       const auto top = L::top(most);
       std::uint64_t mask = 0;
-      for (unsigned v = 0; v < kVectors; ++v)
-        mask |= static_cast<std::uint64_t>(L::bits(L::both(lanes[v], L::equal(cross[v], top)))) << (v * L::kLanes);
+#pragma GCC unroll 8
+      for (unsigned v = 0; v < kVectors; ++v) mask |= static_cast<std::uint64_t>(L::equal(cross[v], top)) << first[v];
       batch.index[i] = a + 1 + closest_to_middle(mask, inner);
       batch.cross[i] = L::lane0(top);
       batch.squared[i] = L::lane0(chord.length);
@@ -191,28 +195,20 @@ private:
     typename L::V most = L::zero();
     typename L::V nearest = chord.length;
     typename L::V farthest = L::zero();
-    std::uint32_t k = a + 1;
-    for (; k + L::kLanes <= b; k += L::kLanes) {
+    const auto look_at = [&](std::uint32_t k) {
       const auto d = L::sub16(L::load(job_.pairs + k), chord.base);
       const auto dot = L::madd(d, chord.along);
       most = L::max32(most, L::abs32(L::madd(d, chord.across)));
       nearest = L::min32(nearest, dot);
       farthest = L::max32(farthest, dot);
-    }
-    const auto all_lanes = L::first(L::kLanes);
-    std::uint32_t outside = L::bits(L::without(all_lanes, L::inside(nearest, chord.length)));
-    outside |= L::bits(L::without(all_lanes, L::inside(farthest, chord.length)));
-    if (k < b) {
-      const auto lanes = L::first(b - k);
-      const auto d = L::sub16(L::load(job_.pairs + k), chord.base);
-      most = L::max32(most, L::keep(lanes, L::abs32(L::madd(d, chord.across))));
-      outside |= L::bits(L::without(lanes, L::inside(L::madd(d, chord.along), chord.length)));
-    }
-    if (outside != 0) return find_mixed(batch, i);
+    };
+    for (std::uint32_t k = a + 1; k < b - L::kLanes; k += L::kLanes) look_at(k);
+    look_at(b - L::kLanes);
+    if (!L::all_inside(nearest, farthest, chord.length)) return find_mixed(batch, i);
     const auto top = L::top(most);
     const std::uint32_t best = closest_marked(a, b, L::kLanes, [&](std::uint32_t first, unsigned count) {
       const auto d = L::sub16(L::load(job_.pairs + first), chord.base);
-      return L::bits(L::equal(L::abs32(L::madd(d, chord.across)), top)) & ((1U << count) - 1U);
+      return L::equal(L::abs32(L::madd(d, chord.across)), top) & ((1U << count) - 1U);
     });
     batch.index[i] = best;
     batch.cross[i] = L::lane0(top);
