@@ -15,20 +15,17 @@ struct Parts {
   alignas(32) std::uint32_t at[8]; ///< place of the split point in its interval, 1 for the first inner point
 };
 
-// Eight has, beside the halves (lanes.hpp): sets of lanes as V, all ones or 0: greater, both, either, pick(set, yes, no), bits; four,
-// points 0..3 of each interval; Real, eight doubles: real (from V), mul, div, pick; finish, what waits after a split.
+// Eight has, beside the halves (lanes.hpp): four, points 0..3 of each interval; Real, eight doubles: real (from V), mul, div, min,
+// pick; Open, eight waiting intervals: open, bound; put, intervals that begin `at` points later and some levels deeper.
 
 #if defined(__AVX2__)
 
 struct Eight : Halves8 {
+  using Halves8::pick;
   struct Real {
     __m256d low, high;
   };
 
-  static V set1(std::int32_t v) { return _mm256_set1_epi32(v); }
-  static V greater(V a, V b) { return _mm256_cmpgt_epi32(a, b); }
-  static V both(V a, V b) { return _mm256_and_si256(a, b); }
-  static V pick(V set, V yes, V no) { return _mm256_blendv_epi8(no, yes, set); }
   static void four(const std::uint32_t* pairs, const Waiting* w, V* p) {
     const auto load_two = [&](unsigned i) {
       return _mm256_inserti128_si256(_mm256_castsi128_si256(half(pairs + w[i].a)), half(pairs + w[i + 4].a), 1);
@@ -59,29 +56,40 @@ struct Eight : Halves8 {
     return {blend(yes.low, no.low, _mm256_castsi256_si128(set)), blend(yes.high, no.high, _mm256_extracti128_si256(set, 1))};
   }
 
-  // The parts of intervals w whose point `at` splits them at the squared distance `ratio`.
-  static void finish(const Waiting* w, V at, Real ratio, Parts& parts) {
-    _mm256_store_si256(reinterpret_cast<V*>(parts.at), at);
-    finish_four(w, _mm256_castsi256_si128(at), ratio.low, parts.left, parts.right);
-    finish_four(w + 4, _mm256_extracti128_si256(at, 1), ratio.high, parts.left + 4, parts.right + 4);
+  static Real min(Real a, Real b) { return {_mm256_min_pd(a.low, b.low), _mm256_min_pd(a.high, b.high)}; }
+
+  struct Open {
+    V low, high; ///< a and level as one number
+    Real bound;
+  };
+  static Open open(const Waiting* w) {
+    Open o;
+    open_four(w, o.low, o.bound.low);
+    open_four(w + 4, o.high, o.bound.high);
+    return o;
+  }
+  static void put(const Open& o, std::uint32_t levels, V at, Real q, Waiting* to) {
+    const V deeper = _mm256_set1_epi64x(std::int64_t{levels} << 32U);
+    const auto moved = [&](V place, __m128i by) {
+      return _mm256_add_epi64(_mm256_add_epi64(place, deeper), _mm256_cvtepu32_epi64(by));
+    };
+    put_four(moved(o.low, _mm256_castsi256_si128(at)), _mm256_castpd_si256(q.low), to);
+    put_four(moved(o.high, _mm256_extracti128_si256(at, 1)), _mm256_castpd_si256(q.high), to + 4);
   }
 
 private:
   static __m128i half(const void* p) { return _mm_loadu_si128(static_cast<const __m128i*>(p)); }
 
-  static void finish_four(const Waiting* w, __m128i at, __m256d ratio, Waiting* left, Waiting* right) {
+  static void open_four(const Waiting* w, V& place, __m256d& bound) {
     const auto load_two = [&](unsigned i) {
       return _mm256_inserti128_si256(_mm256_castsi128_si256(half(w + i)), half(w + i + 2), 1);
     };
     const V even = load_two(0);
     const V odd = load_two(1);
-    const V bound = _mm256_unpackhi_epi64(even, odd);
-    const V q = _mm256_castpd_si256(_mm256_min_pd(ratio, _mm256_castsi256_pd(bound)));
-    const V below = _mm256_add_epi64(_mm256_unpacklo_epi64(even, odd), _mm256_set1_epi64x(std::int64_t{1} << 32U));
-    store_four(below, q, left);
-    store_four(_mm256_add_epi64(below, _mm256_cvtepu32_epi64(at)), q, right);
+    place = _mm256_unpacklo_epi64(even, odd);
+    bound = _mm256_castsi256_pd(_mm256_unpackhi_epi64(even, odd));
   }
-  static void store_four(V place, V q, Waiting* to) {
+  static void put_four(V place, V q, Waiting* to) {
     const V even = _mm256_unpacklo_epi64(place, q);
     const V odd = _mm256_unpackhi_epi64(place, q);
     _mm256_store_si256(reinterpret_cast<V*>(to), _mm256_permute2x128_si256(even, odd, 0x20));
@@ -92,6 +100,7 @@ private:
 #else
 
 struct Eight : Halves8 {
+  using Halves8::pick;
   struct Real {
     double lane[kLanes];
   };
@@ -102,18 +111,6 @@ struct Eight : Halves8 {
     return r;
   }
 
-  static V set1(std::int32_t v) {
-    return make([&](unsigned) { return v; });
-  }
-  static V greater(V a, V b) {
-    return make([&](unsigned i) { return a.lane[i] > b.lane[i] ? -1 : 0; });
-  }
-  static V both(V a, V b) {
-    return make([&](unsigned i) { return a.lane[i] & b.lane[i]; });
-  }
-  static V pick(V set, V yes, V no) {
-    return make([&](unsigned i) { return set.lane[i] != 0 ? yes.lane[i] : no.lane[i]; });
-  }
   static void four(const std::uint32_t* pairs, const Waiting* w, V* p) {
     for (unsigned k = 0; k < 4; ++k) p[k] = make([&](unsigned i) { return static_cast<std::int32_t>(pairs[w[i].a + k]); });
   }
@@ -129,14 +126,20 @@ struct Eight : Halves8 {
   static Real pick(V set, Real yes, Real no) {
     return make_real([&](unsigned i) { return set.lane[i] != 0 ? yes.lane[i] : no.lane[i]; });
   }
-  static void finish(const Waiting* w, V at, Real ratio, Parts& parts) {
-    for (unsigned i = 0; i < kLanes; ++i) {
-      const auto place = static_cast<std::uint32_t>(at.lane[i]);
-      const double q = ratio.lane[i] < w[i].bound ? ratio.lane[i] : w[i].bound;
-      parts.at[i] = place;
-      parts.left[i] = {w[i].a, w[i].level + 1, q};
-      parts.right[i] = {w[i].a + place, w[i].level + 1, q};
-    }
+  static Real min(Real a, Real b) {
+    return make_real([&](unsigned i) { return b.lane[i] < a.lane[i] ? b.lane[i] : a.lane[i]; });
+  }
+
+  struct Open {
+    const Waiting* w;
+    Real bound;
+  };
+  static Open open(const Waiting* w) {
+    return {w, make_real([&](unsigned i) { return w[i].bound; })};
+  }
+  static void put(const Open& o, std::uint32_t levels, V at, Real q, Waiting* to) {
+    for (unsigned i = 0; i < kLanes; ++i)
+      to[i] = {o.w[i].a + static_cast<std::uint32_t>(at.lane[i]), {o.w[i].level + levels}, q.lane[i]};
   }
 };
 

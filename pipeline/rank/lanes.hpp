@@ -13,8 +13,8 @@ namespace {
 
 // Every Halves type has: kLanes; V, a vector of 32 bit lanes, each lane also seen as two 16 bit halves; load; spread, one value
 // in all lanes; zero; across, the pair (-high, low) of each lane (low, high); sub16, difference of halves; madd, sum of the
-// products of both halves; abs32, max32, min32; top, the largest lane in all lanes; lane0; equal, a bit for each equal lane;
-// all_inside(nearest, farthest, length), 0 < nearest and farthest < length.
+// products of both halves; abs32, max32, min32; top, the largest lane in all lanes; lane0; set1; S, a set of lanes: greater, equal,
+// both, either; pick(S, yes, no); bits; kAll, the bits of all lanes.
 // Every Reals type: kLanes doubles; load from int32, set1; sub, add, mul, mul_add, mul_sub (fused or not: what they give must
 // be exact either way); abs, max, min; top, the largest lane; M, a set of lanes: first(count); inside(dot, length), 0 < dot <
 // length; keep(M, V); equal; at_least; both, without; bits.
@@ -42,11 +42,16 @@ struct Halves8 {
     return _mm256_max_epi32(a, _mm256_shuffle_epi32(a, 0xB1));
   }
   static std::int32_t lane0(V a) { return _mm_cvtsi128_si32(_mm256_castsi256_si128(a)); }
-  static std::uint32_t equal(V a, V b) { return bits(_mm256_cmpeq_epi32(a, b)); }
-  static bool all_inside(V nearest, V farthest, V length) {
-    return bits(_mm256_and_si256(_mm256_cmpgt_epi32(nearest, zero()), _mm256_cmpgt_epi32(length, farthest))) == 0xFFU;
-  }
-  static std::uint32_t bits(V set) { return static_cast<std::uint32_t>(_mm256_movemask_ps(_mm256_castsi256_ps(set))); }
+  using S = V;
+  static constexpr std::uint32_t kAll = 0xFF;
+  static V set1(std::int32_t v) { return _mm256_set1_epi32(v); }
+  static S greater(V a, V b) { return _mm256_cmpgt_epi32(a, b); }
+  static S equal(V a, V b) { return _mm256_cmpeq_epi32(a, b); }
+  static S both(S a, S b) { return _mm256_and_si256(a, b); }
+  static S either(S a, S b) { return _mm256_or_si256(a, b); }
+  static V pick(S set, V yes, V no) { return _mm256_blendv_epi8(no, yes, set); }
+  static std::uint32_t bits(S set) { return static_cast<std::uint32_t>(_mm256_movemask_ps(_mm256_castsi256_ps(set))); }
+  static void store(std::uint32_t* to, V a) { _mm256_storeu_si256(reinterpret_cast<V*>(to), a); }
 };
 
 #endif
@@ -75,10 +80,16 @@ struct Lanes {
     return _mm512_max_epi32(a, _mm512_shuffle_epi32(a, _MM_PERM_CDAB));
   }
   static std::int32_t lane0(V a) { return _mm_cvtsi128_si32(_mm512_castsi512_si128(a)); }
-  static std::uint32_t equal(V a, V b) { return _mm512_cmpeq_epi32_mask(a, b); }
-  static bool all_inside(V nearest, V farthest, V length) {
-    return _mm512_mask_cmplt_epi32_mask(_mm512_cmpgt_epi32_mask(nearest, zero()), farthest, length) == 0xFFFFU;
-  }
+  using S = __mmask16;
+  static constexpr std::uint32_t kAll = 0xFFFF;
+  static V set1(std::int32_t v) { return _mm512_set1_epi32(v); }
+  static S greater(V a, V b) { return _mm512_cmpgt_epi32_mask(a, b); }
+  static S equal(V a, V b) { return _mm512_cmpeq_epi32_mask(a, b); }
+  static S both(S a, S b) { return static_cast<S>(a & b); }
+  static S either(S a, S b) { return static_cast<S>(a | b); }
+  static V pick(S set, V yes, V no) { return _mm512_mask_mov_epi32(no, set, yes); }
+  static std::uint32_t bits(S set) { return set; }
+  static void store(std::uint32_t* to, V a) { _mm512_storeu_si512(to, a); }
 };
 
 struct Reals {
@@ -200,20 +211,33 @@ struct Halves8 {
     return make([&](unsigned) { return r; });
   }
   static std::int32_t lane0(V a) { return a.lane[0]; }
-  static std::uint32_t equal(V a, V b) {
-    std::uint32_t r = 0;
-    for (unsigned i = 0; i < kLanes; ++i) r |= (a.lane[i] == b.lane[i] ? 1U : 0U) << i;
-    return r;
+  using S = V;
+  static constexpr std::uint32_t kAll = 0xFF;
+  static V set1(std::int32_t v) {
+    return make([&](unsigned) { return v; });
   }
-  static bool all_inside(V nearest, V farthest, V length) {
-    bool r = true;
-    for (unsigned i = 0; i < kLanes; ++i) r &= nearest.lane[i] > 0 && farthest.lane[i] < length.lane[i];
-    return r;
+  static S greater(V a, V b) {
+    return make([&](unsigned i) { return a.lane[i] > b.lane[i] ? -1 : 0; });
   }
-  static std::uint32_t bits(V set) {
+  static S equal(V a, V b) {
+    return make([&](unsigned i) { return a.lane[i] == b.lane[i] ? -1 : 0; });
+  }
+  static S both(S a, S b) {
+    return make([&](unsigned i) { return a.lane[i] & b.lane[i]; });
+  }
+  static S either(S a, S b) {
+    return make([&](unsigned i) { return a.lane[i] | b.lane[i]; });
+  }
+  static V pick(S set, V yes, V no) {
+    return make([&](unsigned i) { return set.lane[i] != 0 ? yes.lane[i] : no.lane[i]; });
+  }
+  static std::uint32_t bits(S set) {
     std::uint32_t r = 0;
     for (unsigned i = 0; i < kLanes; ++i) r |= (set.lane[i] != 0 ? 1U : 0U) << i;
     return r;
+  }
+  static void store(std::uint32_t* to, V a) {
+    for (unsigned i = 0; i < kLanes; ++i) to[i] = static_cast<std::uint32_t>(a.lane[i]);
   }
 };
 using Lanes = Halves8;

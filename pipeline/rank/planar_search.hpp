@@ -102,8 +102,10 @@ public:
   template <unsigned c>
   std::uint32_t split_eight(const Waiting* w, Parts& parts) const {
     if constexpr (c == 1) {
-      split_eight_lone(job_.pairs, w, parts);
+      split_eight_ones(job_.pairs, w, parts);
       return 0;
+    } else if constexpr (c == 2) {
+      return split_eight_twos(job_.pairs, w, parts);
     } else {
       return scansion::split_eight<c>(job_.pairs, w, parts);
     }
@@ -174,14 +176,14 @@ private:
         nearest = L::min32(nearest, dot);
         farthest = L::max32(farthest, dot);
       }
-      if (!L::all_inside(nearest, farthest, chord.length)) {
+      if (!all_inside<L>(nearest, farthest, chord.length)) {
         find_mixed(batch, i);
         continue;
       }
       const auto top = L::top(most);
       std::uint64_t mask = 0;
 #pragma GCC unroll 8
-      for (unsigned v = 0; v < kVectors; ++v) mask |= static_cast<std::uint64_t>(L::equal(cross[v], top)) << first[v];
+      for (unsigned v = 0; v < kVectors; ++v) mask |= static_cast<std::uint64_t>(L::bits(L::equal(cross[v], top))) << first[v];
       batch.index[i] = a + 1 + closest_to_middle(mask, inner);
       batch.cross[i] = L::lane0(top);
       batch.squared[i] = L::lane0(chord.length);
@@ -195,24 +197,42 @@ private:
     typename L::V most = L::zero();
     typename L::V nearest = chord.length;
     typename L::V farthest = L::zero();
+    // Where each lane saw its largest product first, and whether it saw an equal one later.
+    typename L::V at = L::zero();
+    typename L::S tied = L::greater(most, most);
     const auto look_at = [&](std::uint32_t k) {
       const auto d = L::sub16(L::load(job_.pairs + k), chord.base);
       const auto dot = L::madd(d, chord.along);
-      most = L::max32(most, L::abs32(L::madd(d, chord.across)));
+      const auto cross = L::abs32(L::madd(d, chord.across));
+      at = L::pick(L::greater(cross, most), L::set1(static_cast<std::int32_t>(k)), at);
+      tied = L::either(tied, L::equal(cross, most));
+      most = L::max32(most, cross);
       nearest = L::min32(nearest, dot);
       farthest = L::max32(farthest, dot);
     };
     for (std::uint32_t k = a + 1; k < b - L::kLanes; k += L::kLanes) look_at(k);
     look_at(b - L::kLanes);
-    if (!L::all_inside(nearest, farthest, chord.length)) return find_mixed(batch, i);
+    if (!all_inside<L>(nearest, farthest, chord.length)) return find_mixed(batch, i);
     const auto top = L::top(most);
-    const std::uint32_t best = closest_marked(a, b, L::kLanes, [&](std::uint32_t first, unsigned count) {
-      const auto d = L::sub16(L::load(job_.pairs + first), chord.base);
-      return L::equal(L::abs32(L::madd(d, chord.across)), top) & ((1U << count) - 1U);
-    });
-    batch.index[i] = best;
+    const std::uint32_t lanes = L::bits(L::equal(most, top));
+    if ((lanes & (lanes - 1)) == 0 && (lanes & L::bits(tied)) == 0) {
+      std::uint32_t first[L::kLanes];
+      L::store(first, at);
+      const auto lane = static_cast<unsigned>(__builtin_ctz(lanes));
+      batch.index[i] = first[lane] + lane;
+    } else {
+      batch.index[i] = closest_marked(a, b, L::kLanes, [&](std::uint32_t from, unsigned count) {
+        const auto d = L::sub16(L::load(job_.pairs + from), chord.base);
+        return L::bits(L::equal(L::abs32(L::madd(d, chord.across)), top)) & ((1U << count) - 1U);
+      });
+    }
     batch.cross[i] = L::lane0(top);
     batch.squared[i] = L::lane0(chord.length);
+  }
+
+  template <class L>
+  static bool all_inside(typename L::V nearest, typename L::V farthest, typename L::V length) {
+    return L::bits(L::both(L::greater(nearest, L::zero()), L::greater(length, farthest))) == L::kAll;
   }
 
   void find_mixed(Batch& batch, unsigned i) {

@@ -32,7 +32,7 @@ public:
     fill_keys();
     // Few points need few bits to differ, and small tables; settling does the rest.
     if (job_.n < 512)
-      sort_in_two<std::uint16_t, 4, 4, 9>();
+      sort_in_two<std::uint16_t, 4, 4, 8>();
     else if (job_.n < 4096)
       sort_in_two<std::uint16_t, 5, 6, 11>();
     else if (job_.n < 65'536)

@@ -263,7 +263,11 @@ private:
     const Waiting right = parts_of_eight_.right[i];
     q_[right.a] = right.bound;
     depth_[right.a] = right.level - 1;
-    if constexpr (c > 1) {
+    if constexpr (c == 2) {
+      const Waiting left = parts_of_eight_.left[i];
+      q_[left.a] = left.bound;
+      depth_[left.a] = left.level - 1;
+    } else if constexpr (c > 2) {
       const std::uint32_t at = parts_of_eight_.at[i];
       *end_[at - 1]++ = parts_of_eight_.left[i];
       *end_[c - at]++ = right;
