@@ -11,12 +11,12 @@ namespace {
 // What has been found for eight intervals: the split points and the two parts of each interval, as they may have to wait.
 struct Parts {
   alignas(32) Waiting left[8];
-  alignas(32) Waiting right[8]; ///< a is the split point, bound its squared distance
+  alignas(32) Waiting right[8];    ///< a is the split point, bound its squared distance
   alignas(32) std::uint32_t at[8]; ///< place of the split point in its interval, 1 for the first inner point
 };
 
-// Eight has, beside the halves (lanes.hpp): four, points 0..3 of each interval; Real, eight doubles: real (from V), mul, div, min,
-// pick; Open, eight waiting intervals: open, bound; put, intervals that begin `at` points later and some levels deeper.
+// Eight has, beside the halves (lanes.hpp): four, points 0..3 of each interval; Real, eight doubles: real (from V), mul, div,
+// min, pick; Open, eight waiting intervals: open, bound; put, intervals that begin `at` points later and some levels deeper.
 
 #if defined(__AVX2__)
 

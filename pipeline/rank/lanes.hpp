@@ -13,11 +13,13 @@ namespace {
 
 // Every Halves type has: kLanes; V, a vector of 32 bit lanes, each lane also seen as two 16 bit halves; load; spread, one value
 // in all lanes; zero; across, the pair (-high, low) of each lane (low, high); sub16, difference of halves; madd, sum of the
-// products of both halves; abs32, max32, min32; top, the largest lane in all lanes; lane0; set1; S, a set of lanes: greater, equal,
-// both, either; pick(S, yes, no); bits; kAll, the bits of all lanes.
-// Every Reals type: kLanes doubles; load from int32, set1; sub, add, mul, mul_add, mul_sub (fused or not: what they give must
-// be exact either way); abs, max, min; top, the largest lane; M, a set of lanes: first(count); inside(dot, length), 0 < dot <
-// length; keep(M, V); equal; at_least; both, without; bits.
+// products of both halves; abs32, max32, min32; top, the largest lane in all lanes; lane0; set1; S, a set of lanes: greater,
+// equal, both, either; pick(S, yes, no); bits; kAll, the bits of all lanes.
+//
+// Every Reals type: kLanes doubles; load from int32,
+// set1; sub, add, mul, mul_add, mul_sub (fused or not: what they give must be exact either way); abs, max, min; top, the
+// largest lane; M, a set of lanes: first(count); inside(dot, length), 0 < dot < length; keep(M, V); equal; at_least; both,
+// without; bits.
 
 #if defined(__AVX2__)
 

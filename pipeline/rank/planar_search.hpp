@@ -123,8 +123,10 @@ private:
     ClassOfLength r{};
     for (unsigned length = 1; length <= ClassOfLength::kLongest; ++length) {
       const unsigned inner = length - 1;
-      r.in_halves[length] =
-          static_cast<std::uint8_t>(inner <= kExact ? inner : inner <= 32 ? kShort32 : inner <= 64 ? kShort64 : kMore);
+      r.in_halves[length] = static_cast<std::uint8_t>(inner <= kExact ? inner
+                                                      : inner <= 32   ? kShort32
+                                                      : inner <= 64   ? kShort64
+                                                                      : kMore);
       r.in_doubles[length] = static_cast<std::uint8_t>(inner == 0 ? 0 : inner <= 8 ? kFar8 : inner <= 16 ? kFar16 : kFar);
     }
     return r;
@@ -151,8 +153,8 @@ private:
     return false;
   }
 
-  // The farthest of more inner points than a vector has lanes: the last vector overlaps the one before, so that all lanes count.
-  // More than half of kInner of them are looked at as if they were kInner.
+  // The farthest of more inner points than a vector has lanes: the last vector overlaps the one before, so that all lanes
+  // count. More than half of kInner of them are looked at as if they were kInner.
   template <class L, unsigned kInner>
   void find_short(Batch& batch, unsigned count) {
     constexpr unsigned kVectors = kInner / L::kLanes;

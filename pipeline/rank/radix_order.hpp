@@ -32,7 +32,7 @@ public:
     fill_keys();
     // Few points need few bits to differ, and small tables; settling does the rest.
     if (job_.n < 512)
-      sort_in_two<std::uint16_t, 4, 4, 8>();
+      sort_in_two<std::uint16_t, 4, 5, 10>();
     else if (job_.n < 4096)
       sort_in_two<std::uint16_t, 5, 6, 11>();
     else if (job_.n < 65'536)
@@ -112,7 +112,9 @@ private:
     }
   }
 
-  static unsigned byte_of(std::uint64_t key, unsigned byte) { return static_cast<unsigned>(key >> (8 * byte)) & 0xFFU; }
+  static unsigned byte_of(std::uint64_t key, unsigned byte) {
+    return static_cast<unsigned>(key >> (8 * byte)) & 0xFFU;
+  }
 
   template <unsigned... kBytes>
   void sort() {

@@ -8,7 +8,8 @@
 namespace scansion {
 namespace {
 
-// The inner points of an interval, those closest to its middle first, the lower one of two: the order in which ties are decided.
+// The inner points of an interval, those closest to its middle first, the lower one of two: the order in which ties are
+// decided.
 template <unsigned kInner>
 struct MiddleFirst {
   std::uint8_t at[kInner];
@@ -88,8 +89,8 @@ struct FarthestEight {
   }
 };
 
-/// Intervals of two inner points: parts.right has the ones that split them, parts.left the others. Returns a bit for each interval
-/// without an answer: a point lies beyond an end of the chord.
+/// Intervals of two inner points: parts.right has the ones that split them, parts.left the others. Returns a bit for each
+/// interval without an answer: a point lies beyond an end of the chord.
 inline std::uint32_t split_eight_twos(const std::uint32_t* pairs, const Waiting* w, Parts& parts) {
   using E = Eight;
   E::V p[4];
