@@ -15,8 +15,15 @@ struct Parts {
   alignas(32) std::uint32_t at[8]; ///< place of the split point in its interval, 1 for the first inner point
 };
 
+/// Bits of the intervals that were not split: those to be measured by other means because points lie beyond an end of the
+/// chord, and those that end here, as close to their chord as the floor (parts.right has their bounds).
+struct Unsplit {
+  std::uint32_t apart, stopped;
+};
+
 // Eight has, beside the halves (lanes.hpp): four, points 0..3 of each interval; Real, eight doubles: real (from V), mul, div,
-// min, pick; Open, eight waiting intervals: open, bound; put, intervals that begin `at` points later and some levels deeper.
+// min, pick; above(Real, limit), bits; Open, eight waiting intervals: open, bound; put, intervals that begin `at` points later
+// and some levels deeper.
 
 #if defined(__AVX2__)
 
@@ -57,6 +64,14 @@ struct Eight : Halves8 {
   }
 
   static Real min(Real a, Real b) { return {_mm256_min_pd(a.low, b.low), _mm256_min_pd(a.high, b.high)}; }
+
+  static std::uint32_t above(Real a, double limit) {
+    const __m256d all = _mm256_set1_pd(limit);
+    const auto bits = [&](__m256d v) {
+      return static_cast<std::uint32_t>(_mm256_movemask_pd(_mm256_cmp_pd(v, all, _CMP_GT_OQ)));
+    };
+    return bits(a.low) | bits(a.high) << 4U;
+  }
 
   struct Open {
     V low, high; ///< a and level as one number
@@ -128,6 +143,12 @@ struct Eight : Halves8 {
   }
   static Real min(Real a, Real b) {
     return make_real([&](unsigned i) { return b.lane[i] < a.lane[i] ? b.lane[i] : a.lane[i]; });
+  }
+
+  static std::uint32_t above(Real a, double limit) {
+    std::uint32_t r = 0;
+    for (unsigned i = 0; i < kLanes; ++i) r |= (a.lane[i] > limit ? 1U : 0U) << i;
+    return r;
   }
 
   struct Open {

@@ -14,7 +14,7 @@ namespace {
 class PlanarSearch {
 public:
   // Up to 14 inner points exactly; up to 32, 64, more; then, for those that reach too far for 16 bits, up to 8, 16, more.
-  static constexpr unsigned kExact = 14;
+  static constexpr unsigned kExact = kShortClasses;
   static constexpr unsigned kShort32 = 15;
   static constexpr unsigned kShort64 = 16;
   static constexpr unsigned kMore = 17;
@@ -100,14 +100,14 @@ public:
   }
 
   template <unsigned c>
-  std::uint32_t split_eight(const Waiting* w, Parts& parts) const {
+  Unsplit split_eight(const Waiting* w, double floor, Parts& parts) const {
     if constexpr (c == 1) {
       split_eight_ones(job_.pairs, w, parts);
-      return 0;
+      return {};
     } else if constexpr (c == 2) {
-      return split_eight_twos(job_.pairs, w, parts);
+      return split_eight_twos(job_.pairs, w, floor, parts);
     } else {
-      return scansion::split_eight<c>(job_.pairs, w, parts);
+      return scansion::split_eight<c>(job_.pairs, w, floor, parts);
     }
   }
   /// The one interval of a batch.

@@ -6,6 +6,7 @@
 #include "pipeline/rank/hull_tree.hpp"
 #include "pipeline/rank/vector_job.hpp"
 
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <type_traits>
@@ -115,8 +116,9 @@ struct Ranker::Scratch {
   }
 };
 
-Ranker::Ranker(Rational resolution_mm, RankUnit unit)
-    : resolution_(resolution_mm), wanted_(unit), scratch_(std::make_unique<Scratch>()) {}
+Ranker::Ranker(Rational resolution_mm, RankUnit unit, double floor_counts)
+    : resolution_(resolution_mm), wanted_(unit), squared_floor_(floor_counts * floor_counts),
+      scratch_(std::make_unique<Scratch>()) {}
 Ranker::~Ranker() = default;
 Ranker::Ranker(Ranker&&) noexcept = default;
 Ranker& Ranker::operator=(Ranker&&) noexcept = default;
@@ -174,6 +176,7 @@ void Ranker::rank_by_vectors(const RunPoints& points, std::span<double> distance
                       .run_count = static_cast<std::uint32_t>(s.runs.size()),
                       .scale_num = static_cast<double>(resolution_.num),
                       .scale_den = static_cast<double>(resolution_.den),
+                      .squared_floor = squared_floor_,
                       .distance = distance.data(),
                       .depth = depth.data(),
                       .copies = s.copies.data(),
@@ -211,6 +214,12 @@ void Ranker::rank_one_by_one(const RunPoints& run, std::span<double> distance, s
           const auto f = farthest(kernel, rule, i.a, i.b);
           split = f.index;
           d = std::min(exact::millimetres(f.distance, resolution_), i.parent);
+          const double squared = exact::nearest_double(f.distance.numerator) / exact::nearest_double(f.distance.denominator);
+          if (squared > 0 && squared <= squared_floor_) {
+            std::fill(distance.begin() + i.a + 1, distance.begin() + i.b, d);
+            std::fill(depth.begin() + i.a + 1, depth.begin() + i.b, i.depth);
+            break;
+          }
         }
         distance[split] = d;
         depth[split] = i.depth;

@@ -43,8 +43,10 @@ enum class RankUnit : std::uint8_t {
 /// squared distance in counts (see squared_distance) and num / den the resolution.
 class Ranker {
 public:
-  /// `unit` must be one that the processor has.
-  explicit Ranker(Rational resolution_mm, RankUnit unit = RankUnit::automatic);
+  /// `unit` must be one that the processor has. Intervals whose farthest point is at `floor_counts` or nearer are not split:
+  /// all their inner points get the distance and depth that this point would have, and so stand in order of index. 0: every
+  /// interval is split.
+  explicit Ranker(Rational resolution_mm, RankUnit unit = RankUnit::automatic, double floor_counts = 0.0);
   ~Ranker();
   Ranker(Ranker&&) noexcept;
   Ranker& operator=(Ranker&&) noexcept;
@@ -67,6 +69,7 @@ private:
 
   Rational resolution_;
   RankUnit wanted_;
+  double squared_floor_; ///< counts
   std::unique_ptr<Scratch> scratch_;
 };
 

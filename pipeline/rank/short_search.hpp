@@ -55,7 +55,7 @@ inline void split_eight_ones(const std::uint32_t* pairs, const Waiting* w, Parts
 template <unsigned kInner>
 struct FarthestEight {
   Eight::Real squared;
-  Eight::V at, top;
+  Eight::V at;
   Eight::S inside; ///< whether no point lies beyond an end of the chord; else there is no answer
 
   explicit FarthestEight(const Eight::V* p) {
@@ -75,7 +75,7 @@ struct FarthestEight {
       nearest = E::min32(nearest, dot);
       farthest = E::max32(farthest, dot);
     }
-    top = cross[kOrder.at[0]];
+    E::V top = cross[kOrder.at[0]];
     at = E::set1(kOrder.at[0]);
 #pragma GCC unroll 16
     for (unsigned i = 1; i < kInner; ++i) {
@@ -89,9 +89,14 @@ struct FarthestEight {
   }
 };
 
-/// Intervals of two inner points: parts.right has the ones that split them, parts.left the others. Returns a bit for each
-/// interval without an answer: a point lies beyond an end of the chord.
-inline std::uint32_t split_eight_twos(const std::uint32_t* pairs, const Waiting* w, Parts& parts) {
+template <unsigned kInner>
+inline Unsplit unsplit(const FarthestEight<kInner>& far, double floor) {
+  const std::uint32_t apart = ~Eight::bits(far.inside) & Eight::kAll;
+  return {apart, ~Eight::above(far.squared, floor) & Eight::kAll};
+}
+
+/// Intervals of two inner points: parts.right has the ones that split them, parts.left the others.
+inline Unsplit split_eight_twos(const std::uint32_t* pairs, const Waiting* w, double floor, Parts& parts) {
   using E = Eight;
   E::V p[4];
   E::four(pairs, w, p);
@@ -102,13 +107,12 @@ inline std::uint32_t split_eight_twos(const std::uint32_t* pairs, const Waiting*
   const E::Real rest = lone_distance(E::pick(second, p[0], p[1]), E::pick(second, p[1], p[2]), E::pick(second, p[2], p[3]));
   E::put(open, 1, far.at, q, parts.right);
   E::put(open, 2, E::pick(second, E::set1(1), E::set1(2)), E::min(rest, q), parts.left);
-  return ~E::bits(far.inside) & E::kAll;
+  return unsplit(far, floor);
 }
 
-/// Splits intervals of kInner inner points. Returns a bit for each one it did not: points beyond an end of the chord, or all of
-/// them on it.
+/// Splits intervals of kInner inner points.
 template <unsigned kInner>
-inline std::uint32_t split_eight(const std::uint32_t* pairs, const Waiting* w, Parts& parts) {
+inline Unsplit split_eight(const std::uint32_t* pairs, const Waiting* w, double floor, Parts& parts) {
   using E = Eight;
   constexpr unsigned kFours = (kInner + 2 + 3) / 4;
   E::V p[4 * kFours];
@@ -120,7 +124,7 @@ inline std::uint32_t split_eight(const std::uint32_t* pairs, const Waiting* w, P
   E::store(parts.at, far.at);
   E::put(open, 1, E::zero(), q, parts.left);
   E::put(open, 1, far.at, q, parts.right);
-  return ~E::bits(E::both(far.inside, E::greater(far.top, E::zero()))) & E::kAll;
+  return unsplit(far, floor);
 }
 
 } // namespace

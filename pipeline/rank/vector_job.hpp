@@ -46,6 +46,7 @@ struct VectorJob {
   const Interval* runs; ///< first and last point of each
   std::uint32_t run_count;
   double scale_num, scale_den; ///< mm per count
+  double squared_floor;        ///< counts; intervals that are no farther are not split
 
   double* distance;     ///< n, out: mm
   std::uint32_t* depth; ///< n, out
@@ -72,8 +73,15 @@ struct VectorJob {
 /// So many steps between neighbours are summed at once.
 inline constexpr std::uint32_t kReachBlock = 8;
 
+/// Short intervals have a class for each number of inner points up to this.
+inline constexpr std::size_t kShortClasses = 14;
+/// So many of one class wait at most: those that long intervals left since short ones were split last, in parts.
+inline constexpr std::size_t kShortWaiting = std::size_t{1} << 15U;
+
 [[nodiscard]] constexpr std::size_t waiting_intervals(std::size_t n) noexcept {
-  return 5 * n + 1024;
+  // Up to n + n / 2 long ones; n / k of k inner points, but short ones wait kShortWaiting at a time at most.
+  const std::size_t some = n / 2 * 7;
+  return n + n / 2 + (some < kShortClasses * kShortWaiting ? some : kShortClasses * kShortWaiting) + 1024;
 }
 
 /// All give the same results.

@@ -142,17 +142,18 @@ inline void bisect(std::uint32_t a, std::uint32_t b, std::uint32_t first_depth, 
 // Search has: kClasses; kExact, intervals of class c <= kExact have c inner points; class_of(a, b), 0 for intervals without
 // inner points, and class_of_part<c>, the same for parts of an interval of class c, which are never of a higher class;
 // least_inner(class); is_short(class), whether its results are crosses; part_class(class), the one most of its parts are of;
-// find<class>(batch, count); for exact classes split_eight<class>(waiting, parts), a bit for each one not split, and
+// find<class>(batch, count); for exact classes split_eight<class>(waiting, floor, parts), which says what it did not split, and
 // find_apart(batch), one interval.
 template <class Search>
 class Tree {
 public:
-  Tree(const VectorJob& job, Search& search) : search_(search), q_(job.distance), depth_(job.depth) {
+  Tree(const VectorJob& job, Search& search) : search_(search), q_(job.distance), depth_(job.depth), floor_(job.squared_floor) {
     const std::uint32_t n = job.n;
     Waiting* place = job.waiting;
     for (unsigned c = 0; c < Search::kClasses; ++c) {
       first_[c] = end_[c] = place;
-      place += c == 0 ? 2 * kBatch : n / Search::least_inner(c) + 2 + kEight;
+      const std::size_t most = c == 0 ? 2 * kBatch : n / Search::least_inner(c) + 2 + kEight;
+      place += c <= Search::kExact ? smaller(most, kShortWaiting) : most;
     }
     for (std::uint32_t r = 0; r < job.run_count; ++r) {
       const auto [a, b] = job.runs[r];
@@ -223,8 +224,8 @@ private:
       const double bound = smaller(ratio, batch_.bound[i]);
       q[k] = bound;
       depth[k] = level;
-      if (ratio == 0) {
-        bisect(a, b, level, q, depth);
+      if (ratio <= floor_) {
+        stop(a, b, level, bound);
         continue;
       }
       wait(search_.template class_of_part<c>(a, k), a, k, level + 1, bound);
@@ -242,16 +243,18 @@ private:
     for (Waiting* w = first_[c]; w < end; w += kEight) {
       const auto some = static_cast<unsigned>(smaller<std::ptrdiff_t>(end - w, kEight));
       for (unsigned i = some; i < kEight; ++i) w[i] = w[0];
-      const std::uint32_t apart = search_.template split_eight<c>(w, parts_of_eight_);
-      if (apart == 0 && some == kEight) {
+      const Unsplit unsplit = search_.template split_eight<c>(w, floor_, parts_of_eight_);
+      if ((unsplit.apart | unsplit.stopped) == 0 && some == kEight) {
 #pragma GCC unroll 8
         for (unsigned i = 0; i < kEight; ++i) put<c>(i);
       } else {
         for (unsigned i = 0; i < some; ++i) {
-          if ((apart >> i & 1U) == 0)
-            put<c>(i);
-          else
+          if ((unsplit.apart >> i & 1U) != 0)
             split_apart<c>(w[i]);
+          else if ((unsplit.stopped >> i & 1U) != 0)
+            stop(w[i].a, w[i].a + c + 1, w[i].level, parts_of_eight_.right[i].bound);
+          else
+            put<c>(i);
         }
       }
       end_[0] = first_[0];
@@ -284,17 +287,24 @@ private:
     const double bound = smaller(ratio, w.bound);
     q_[k] = bound;
     depth_[k] = w.level;
-    if (ratio == 0) {
-      bisect(w.a, b, w.level, q_, depth_);
-      return;
-    }
+    if (ratio <= floor_) return stop(w.a, b, w.level, bound);
     wait(k - w.a - 1, w.a, k, w.level + 1, bound);
     wait(b - k - 1, k, b, w.level + 1, bound);
+  }
+
+  // An interval that is not split: all on its chord, or no farther than the floor.
+  void stop(std::uint32_t a, std::uint32_t b, std::uint32_t level, double bound) {
+    if (bound == 0) return bisect(a, b, level, q_, depth_);
+    for (std::uint32_t k = a + 1; k < b; ++k) {
+      q_[k] = bound;
+      depth_[k] = level;
+    }
   }
 
   Search& search_;
   double* q_; ///< squared distances in counts
   std::uint32_t* depth_;
+  double floor_; ///< squared, counts
   Waiting* first_[Search::kClasses];
   Waiting* end_[Search::kClasses];
   unsigned parts_ = 0; ///< of long intervals, since the short ones were split last

@@ -199,6 +199,44 @@ TEST(RankProperty, KeptPointsAloneRankTheSame) {
   }
 }
 
+// Above the floor nothing changes; below, tolerances still keep their promise.
+TEST(RankProperty, AFloorEndsSplittingAndNothingElse) {
+  Random random(9);
+  Ranker whole_ranker(kMicrometre);
+  const std::vector<RankUnit> units = vector_units();
+  for (int round = 0; round < 1500; ++round) {
+    const Kind kind = any_kind(random);
+    const Coordinates c = make_run(random, kind, static_cast<std::size_t>(pick(random, 1, round % 50 == 0 ? 1000 : 60)));
+    const double floor = round % 3 == 0 ? 0.5 : static_cast<double>(pick(random, 1, kind == Kind::part ? 8 : 3000));
+    const double floor_mm = floor * 1 / 1000;
+    const Ranked whole = rank(whole_ranker, c);
+    Ranker one_by_one(kMicrometre, RankUnit::one_by_one, floor);
+    const Ranked want = rank(one_by_one, c);
+    const RunPoints points{c[0], c[1], c[2], {}};
+    const double tolerance = floor_mm * static_cast<double>(pick(random, 0, 100)) / 100;
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < c[0].size(); ++i) {
+      if (whole.distance[i] > floor_mm) {
+        ASSERT_EQ(want.distance[i], whole.distance[i]) << "round " << round;
+        ASSERT_EQ(want.depth[i], whole.depth[i]) << "round " << round;
+      } else {
+        ASSERT_GE(want.distance[i], whole.distance[i]) << "round " << round;
+        ASSERT_LE(want.distance[i], floor_mm) << "round " << round;
+      }
+      if (!(want.distance[i] > tolerance)) continue;
+      for (std::size_t left_out = kept + 1; left_out < i; ++left_out)
+        ASSERT_LE(segment_distance(points, left_out, kept, i, kMicrometre), tolerance) << "round " << round;
+      kept = i;
+    }
+    for (const RankUnit unit : units) {
+      Ranker ranker(kMicrometre, unit, floor);
+      const Ranked got = rank(ranker, c);
+      ASSERT_EQ(got.distance, want.distance) << "kind " << static_cast<int>(kind) << " round " << round;
+      ASSERT_EQ(got.depth, want.depth) << "kind " << static_cast<int>(kind) << " round " << round;
+    }
+  }
+}
+
 TEST(RankProperty, PlanarAndSpatialKernelsAgree) {
   // The same planar run, turned by exchanging axes, and lifted into space by a copy of one axis where that is exact.
   Random random(4);
