@@ -12,6 +12,7 @@ namespace scansion {
 namespace {
 
 constexpr double kReach = 4.0;    // coarse steps: how far an end looks for another line, and how far it is made longer
+constexpr double kAhead = 12.0;   // coarse steps: how far it looks straight on, as in the tip of a wedge
 constexpr double kJoined = 2.0;   // how far beyond, once it found one
 constexpr double kSideways = 1.6; // the cost of not going straight on
 
@@ -59,6 +60,26 @@ void Cuts::take_track(const Track& track, double settled) {
   }
 }
 
+// How far to go straight on: to the line that lies ahead, and a little beyond.
+double Cuts::ahead_of(const End& end, double u) const {
+  double nearest = kAhead * u;
+  bool met = false;
+  for (const Owned& owned : segments_) {
+    const CutSegment& g = owned.segment;
+    if (owned.track == end.track || !owned.segment.backed) continue;
+    if (g.c1 < end.c - nearest || g.c0 > end.c + nearest) continue;
+    const double ls = g.s1 - g.s0, lc = g.c1 - g.c0;
+    const double across = end.ds * lc - end.dc * ls;
+    if (std::abs(across) < 1e-12) continue;
+    const double t = ((g.s0 - end.s) * lc - (g.c0 - end.c) * ls) / across;
+    const double along = ((g.s0 - end.s) * end.dc - (g.c0 - end.c) * end.ds) / across;
+    if (t <= 0.0 || t >= nearest || along < 0.0 || along > 1.0) continue;
+    nearest = t;
+    met = true;
+  }
+  return met ? nearest + 0.5 * u : kReach * u;
+}
+
 void Cuts::extend(const End& end, const Sampling& sampling) {
   const double u = sampling.coarse(), reach = kReach * u;
   double best = std::numeric_limits<double>::infinity(), best_s = 0.0, best_c = 0.0;
@@ -86,7 +107,7 @@ void Cuts::extend(const End& end, const Sampling& sampling) {
   }
   const bool joined = best < std::numeric_limits<double>::infinity();
   if (joined) add(end.s, end.c, best_s, best_c, end.kind, false, end.track);
-  const double on = (joined ? kJoined : kReach) * u;
+  const double on = joined ? kJoined * u : ahead_of(end, u);
   add(end.s, end.c, end.s + on * end.ds, end.c + on * end.dc, end.kind, false, end.track);
 }
 
@@ -94,14 +115,14 @@ void Cuts::take(std::span<Track* const> tracks, double settled, const Sampling& 
   for (const Track* track : tracks)
     if (!track->points.empty()) take_track(*track, settled);
   taken_ = settled;
-  const double known = settled - kReach * sampling.coarse();
+  const double known = settled - kAhead * sampling.coarse();
   const auto ready = std::stable_partition(ends_.begin(), ends_.end(), [&](const End& e) { return e.c > known; });
   for (auto it = ready; it != ends_.end(); ++it) extend(*it, sampling);
   ends_.erase(ready, ends_.end());
 }
 
 double Cuts::complete(double settled, const Sampling& sampling) const noexcept {
-  return settled - 2.0 * kReach * sampling.coarse() - sampling.spacing;
+  return settled - 2.0 * kAhead * sampling.coarse() - sampling.spacing;
 }
 
 void Cuts::at(double last_c, double c, double pitch, std::vector<Cut>& in_line, std::vector<Cut>& across) {

@@ -60,6 +60,7 @@ private:
   };
   void take_track(const Track& track, double settled);
   void extend(const End& end, const Sampling& sampling);
+  [[nodiscard]] double ahead_of(const End& end, double u) const;
   void add(double s0, double c0, double s1, double c1, BorderKind kind, bool backed, std::uint64_t track);
 
   double taken_ = -1e300;

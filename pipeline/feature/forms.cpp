@@ -164,6 +164,7 @@ private:
       const std::vector<std::uint32_t>& known = own.steps_to;
       if (std::find(known.begin(), known.end(), level.patch) != known.end()) continue;
       const PatchLook other = look_at(graph_, level.patch, sampling_);
+      if (!is_large(look) || !is_large(other)) continue;
       if (!is_plain(level.patch, other) || angle_between(look.plane, other.plane) > kLevelled) continue;
       if (!is_step(id, level, std::min(look.outline.all(), other.outline.all()))) continue;
       std::vector<std::uint32_t> patches = level.over;
@@ -174,6 +175,9 @@ private:
       emit(FormKind::step, std::move(patches), look.outline);
     }
   }
+
+  /// Wide enough to be one of the levels of a step.
+  [[nodiscard]] bool is_large(const PatchLook& look) const { return look.width >= kLeastSteps * sampling_.coarse(); }
 
   [[nodiscard]] bool is_step(std::uint32_t id, const Level& level, double outline) const {
     if (std::abs(level.fall) < std::max(kLeastHeight, kNoise * sampling_.noise)) return false;
