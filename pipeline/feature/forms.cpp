@@ -38,7 +38,8 @@ public:
     if (look.role == Role::flank) return name_flank(id, look);
     if (look.role == Role::strip) return FormKind::chamfer;
     FormKind kind = FormKind::face;
-    if (look.role == Role::trough || look.role == Role::bulge) kind = kind_of(look.role == Role::bulge, look.is_long());
+    if (look.role == Role::trough || look.role == Role::bulge)
+      kind = kind_of(look.role == Role::bulge, look.is_long() || goes_on(id, look));
     if (look.role == Role::top || look.role == Role::floor) kind = kind_of_level(id, look);
     if (kind == FormKind::face) name_steps(id, look);
     if (kind == FormKind::face || kind == FormKind::chamfer) return kind;
@@ -59,6 +60,17 @@ private:
     form.patches = std::move(patches);
     form.confidence = outline.cut() > 0.0 ? std::min(1.0, outline.backed / outline.cut()) : 0.0;
     forms_.push_back(std::move(form));
+  }
+
+  /// Is it a piece of a groove or rib that another one crosses, so that flanks or pieces like it lie beside it?
+  [[nodiscard]] bool goes_on(std::uint32_t id, const PatchLook& look) const {
+    double beside = 0.0;
+    for (const auto& [other, border] : graph_.node(id).borders) {
+      if (other == id) continue;
+      const Role role = look_at(graph_, other, sampling_).role;
+      if (role == Role::flank || role == look.role) beside += border.total();
+    }
+    return beside >= kSide * look.outline.cut();
   }
 
   /// The patch and the flanks around it that are smaller.

@@ -75,8 +75,10 @@ double wall(double d, double height, double draft) {
 }
 
 TEST(Forms, PocketAndBossWithUprightWalls) {
-  EXPECT_EQ(kinds_in(scan([](double x, double y) { return box(x, y, 5.0, 4.0) < 0.0 ? -1.0 : 0.0; })), (Kinds{{FormKind::pocket, 1}}));
-  EXPECT_EQ(kinds_in(scan([](double x, double y) { return box(x, y, 5.0, 4.0) < 0.0 ? 1.0 : 0.0; })), (Kinds{{FormKind::boss, 1}}));
+  EXPECT_EQ(kinds_in(scan([](double x, double y) { return box(x, y, 5.0, 4.0) < 0.0 ? -1.0 : 0.0; })),
+            (Kinds{{FormKind::pocket, 1}}));
+  EXPECT_EQ(kinds_in(scan([](double x, double y) { return box(x, y, 5.0, 4.0) < 0.0 ? 1.0 : 0.0; })),
+            (Kinds{{FormKind::boss, 1}}));
 }
 
 TEST(Forms, WallsBelongToTheirPocket) {
@@ -86,14 +88,19 @@ TEST(Forms, WallsBelongToTheirPocket) {
 }
 
 TEST(Forms, AnIslandInAPocketIsABoss) {
-  const auto part = [](double x, double y) { return box(x, y, 9.0, 8.0) < 0.0 ? box(x, y, 3.0, 3.0) < 0.0 ? -1.0 : -2.0 : 0.0; };
+  const auto part = [](double x, double y) {
+    return box(x, y, 9.0, 8.0) < 0.0 ? box(x, y, 3.0, 3.0) < 0.0 ? -1.0 : -2.0 : 0.0;
+  };
   EXPECT_EQ(kinds_in(scan(part)), (Kinds{{FormKind::pocket, 1}, {FormKind::boss, 1}}));
 }
 
 TEST(Forms, SlotAndRibAreLong) {
-  EXPECT_EQ(kinds_in(scan([](double x, double y) { return box(x, y, 9.0, 1.5) < 0.0 ? -1.0 : 0.0; })), (Kinds{{FormKind::slot, 1}}));
-  EXPECT_EQ(kinds_in(scan([](double x, double y) { return box(x, y, 1.5, 8.0) < 0.0 ? 1.0 : 0.0; })), (Kinds{{FormKind::rib, 1}}));
-  EXPECT_EQ(kinds_in(scan([](double x, double) { return std::abs(x - 12.0) < 1.5 ? -1.0 : 0.0; })), (Kinds{{FormKind::slot, 1}}));
+  EXPECT_EQ(kinds_in(scan([](double x, double y) { return box(x, y, 9.0, 1.5) < 0.0 ? -1.0 : 0.0; })),
+            (Kinds{{FormKind::slot, 1}}));
+  EXPECT_EQ(kinds_in(scan([](double x, double y) { return box(x, y, 1.5, 8.0) < 0.0 ? 1.0 : 0.0; })),
+            (Kinds{{FormKind::rib, 1}}));
+  EXPECT_EQ(kinds_in(scan([](double x, double) { return std::abs(x - 12.0) < 1.5 ? -1.0 : 0.0; })),
+            (Kinds{{FormKind::slot, 1}}));
 }
 
 TEST(Forms, TwoFlanksAreAGrooveOrASharpRib) {
@@ -143,7 +150,8 @@ TEST(Forms, MissingPointsChangeNothing) {
 }
 
 TEST(Forms, ASmoothPartHasNone) {
-  const FeatureReport report = scan([](double x, double y) { return 1.5 * std::sin(0.2 * x) * std::cos(0.15 * y); }, {20.0, 0.0});
+  const FeatureReport report =
+      scan([](double x, double y) { return 1.5 * std::sin(0.2 * x) * std::cos(0.15 * y); }, {20.0, 0.0});
   EXPECT_TRUE(report.forms.empty());
 }
 
