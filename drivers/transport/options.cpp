@@ -98,7 +98,7 @@ Result<std::unique_ptr<Transport>> make_transport(const OptionValues& values, co
     return make(values.text(key));
   };
   SCANSION_TRY(take("port", [&](std::string path) -> Result<void> {
-    inner = serial_transport(std::move(path), static_cast<int>(values.integer("baud")));
+    inner = serial_transport(std::move(path), static_cast<int>(values.integer("baud")), kinds.keeps_dtr);
     return success();
   }));
   SCANSION_TRY(take("tcp", [&](const std::string& text) -> Result<void> {

@@ -14,6 +14,7 @@ namespace scansion {
 struct TransportKinds {
   bool serial = false, tcp = false, udp = false, file = false;
   std::int64_t baud = 115200;
+  bool keeps_dtr = false; ///< of serial_transport
 };
 
 /// Rows for the keys port, baud, tcp, udp, file (as `kinds` says), transcript and raw, behind the driver's own rows.

@@ -19,7 +19,10 @@ struct HostPort {
 
 /// 8 data bits, no parity, 1 stop bit, no flow control. libserialport opens real ports (custom rates too); a pseudo terminal
 /// and others that it refuses are opened with termios. Locked against a second user.
-[[nodiscard]] std::unique_ptr<Transport> serial_transport(std::string path, int baud);
+///
+/// Many boards restart when DTR rises. Opening a port raises it; with `keeps_dtr` closing does not lower it again, so that only
+/// the first opening after a start of the host restarts them.
+[[nodiscard]] std::unique_ptr<Transport> serial_transport(std::string path, int baud, bool keeps_dtr = false);
 /// Connects within two seconds. A silent peer that went away is noticed by keep-alive within 10 s.
 [[nodiscard]] std::unique_ptr<Transport> tcp_transport(const HostPort& address);
 /// Listens on the address for datagrams of anybody.

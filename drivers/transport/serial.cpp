@@ -62,9 +62,18 @@ bool make_raw(int fd, int baud) noexcept {
   return ::tcsetattr(fd, TCSANOW, &settings) == 0;
 }
 
+/// A port that cannot do this still carries bytes: no error.
+void keep_dtr(int fd) noexcept {
+  termios settings{};
+  if (::tcgetattr(fd, &settings) != 0) return;
+  settings.c_cflag &= ~static_cast<tcflag_t>(HUPCL);
+  ::tcsetattr(fd, TCSANOW, &settings);
+}
+
 class SerialTransport final : public DescriptorTransport {
 public:
-  SerialTransport(std::string path, int baud) : DescriptorTransport(std::move(path)), baud_(baud) {}
+  SerialTransport(std::string path, int baud, bool keeps_dtr)
+      : DescriptorTransport(std::move(path)), baud_(baud), keeps_dtr_(keeps_dtr) {}
   ~SerialTransport() override { close(); }
 
   Result<void> open() override {
@@ -80,6 +89,7 @@ public:
       close();
       return fail(Errc::unavailable, name(), ": is in use by another program; stop it, or choose another port");
     }
+    if (keeps_dtr_) keep_dtr(fd_.get());
     ::tcflush(fd_.get(), TCIFLUSH); // bytes of before belong to nobody
     return success();
   }
@@ -157,13 +167,14 @@ private:
   }
 
   int baud_;
+  bool keeps_dtr_;
   std::unique_ptr<sp_port, PortCloser> port_; ///< owns fd_ when set
 };
 
 } // namespace
 
-std::unique_ptr<Transport> serial_transport(std::string path, int baud) {
-  return std::make_unique<SerialTransport>(std::move(path), baud);
+std::unique_ptr<Transport> serial_transport(std::string path, int baud, bool keeps_dtr) {
+  return std::make_unique<SerialTransport>(std::move(path), baud, keeps_dtr);
 }
 
 } // namespace scansion

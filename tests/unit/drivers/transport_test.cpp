@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
+#include <termios.h>
 #include <unistd.h>
 
 namespace scansion {
@@ -60,6 +61,20 @@ TEST(Serial, HangUpIsAnErrorAfterTheLastBytes) {
   pty.master.reset();
   EXPECT_EQ(read_some(*port), "[" + pty.name + ": lost, the port is gone (unplugged?)]");
   EXPECT_LT(port->now().monotonic_ns - before, kSecond / 10);
+}
+
+TEST(Serial, KeepsDtrUpWhereThatIsAsked) {
+  Pty pty;
+  for (const bool keeps : {false, true}) {
+    termios settings{};
+    ASSERT_EQ(::tcgetattr(pty.master.get(), &settings), 0);
+    settings.c_cflag |= HUPCL;
+    ASSERT_EQ(::tcsetattr(pty.master.get(), TCSANOW, &settings), 0);
+    auto port = serial_transport(pty.name, 115200, keeps);
+    ASSERT_TRUE(port->open());
+    ASSERT_EQ(::tcgetattr(pty.master.get(), &settings), 0);
+    EXPECT_EQ((settings.c_cflag & HUPCL) == 0, keeps);
+  }
 }
 
 TEST(Serial, IsLockedAgainstASecondUser) {
