@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <utility>
 
 namespace scansion::grbl {
 namespace {
@@ -111,8 +112,8 @@ bool parse_bracket(std::string_view inside, Answer& out) noexcept {
 }
 
 bool is_banner(std::string_view line) noexcept {
-  // "Grbl 1.1h ['$' for help]", "GrblHAL 1.1f ['$' or '$HELP' for help]", other firmware alike.
-  return line.starts_with("Grbl") && line.find("['$'") != std::string_view::npos;
+  // "Grbl 1.1h ['$' for help]", "GrblHAL 1.1f ['$' or '$HELP' for help]", "Grbl 3.7 [FluidNC v3.7.0 (wifi) '$' for help]".
+  return line.starts_with("Grbl") && line.find("'$'") != std::string_view::npos;
 }
 
 bool parse_number_after(std::string_view line, std::string_view word, AnswerKind kind, Answer& out) noexcept {

@@ -14,7 +14,7 @@ struct Code {
   std::string_view meaning;
 };
 
-constexpr std::array<Code, 15> kErrors{{{1, "a G-code word without its letter"},
+constexpr std::array<Code, 17> kErrors{{{1, "a G-code word without its letter"},
                                         {2, "a number that cannot be read"},
                                         {3, "an unknown $ command"},
                                         {5, "homing is switched off, $22=0"},
@@ -24,7 +24,9 @@ constexpr std::array<Code, 15> kErrors{{{1, "a G-code word without its letter"},
                                         {9, "locked after an alarm or a reset"},
                                         {10, "soft limits need homing"},
                                         {11, "the line is too long"},
+                                        {13, "the safety door is open"},
                                         {15, "a jog beyond the travel"},
+                                        {16, "a jog that cannot be read"},
                                         {20, "unknown G-code"},
                                         {22, "no feed rate"},
                                         {26, "no axis word"},

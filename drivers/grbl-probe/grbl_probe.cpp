@@ -4,6 +4,8 @@
 #include "drivers/grbl-probe/options.hpp"
 #include "drivers/grbl-probe/rows.hpp"
 
+#include <utility>
+
 namespace scansion {
 namespace {
 

@@ -18,6 +18,14 @@ constexpr std::uint32_t kMostTries = 3;
 
 constexpr std::array<char, 3> kAxes{'X', 'Y', 'Z'};
 
+/// `text` as "GC:G0 G54 M5": has this word.
+bool has_word(std::string_view text, std::string_view word) noexcept {
+  const std::size_t at = text.find(" " + std::string(word));
+  if (at == std::string_view::npos) return false;
+  const std::string_view behind = text.substr(at + 1 + word.size());
+  return behind.empty() || behind.front() == ' ';
+}
+
 std::string mm(double value) {
   std::array<char, 32> text{};
   const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed, 3);
@@ -35,7 +43,8 @@ void Session::run_greeting(Ns now) {
       break;
     case Step::identify: await_listing(Step::settings, "$$", now); break;
     case Step::settings: await_listing(Step::parameters, "$#", now); break;
-    case Step::parameters: await_listing(Step::find_offset, {}, now); break;
+    case Step::parameters: await_listing(Step::parser, "$G", now); break;
+    case Step::parser: await_listing(Step::find_offset, {}, now); break;
     case Step::find_offset:
       if (offset_ && position_ && is_status_fresh_)
         end_greeting(now);
@@ -119,33 +128,44 @@ void Session::await_listing(Step step, std::string_view line, Ns now) {
     }
   } else if (now - begun_ > kReplyTime) {
     if (++tries_ >= kMostTries) {
-      fail_with(Errc::unavailable, "does not answer $I, $$ and $# as a Grbl controller does");
+      fail_with(Errc::unavailable, "does not answer $I, $$, $# and $G as a Grbl controller does");
       return;
     }
     const std::uint32_t tries = tries_;
-    send(step_, step_ == Step::identify ? "$I" : step_ == Step::settings ? "$$" : "$#", now);
+    send(step_, step_ == Step::identify ? "$I" : step_ == Step::settings ? "$$" : step_ == Step::parameters ? "$#" : "$G", now);
     tries_ = tries;
   }
 }
 
 void Session::on_greeting_answer(const Answer& answer) {
   if (!is_waiting_) return;
-  if (step_ == Step::identify) {
-    if (answer.kind == AnswerKind::version) {
-      machine_.version = answer.text;
+  const bool is_bracket = answer.kind == AnswerKind::version || answer.kind == AnswerKind::options ||
+                          answer.kind == AnswerKind::probe || answer.kind == AnswerKind::feedback;
+  switch (step_) {
+    case Step::identify:
+      if (answer.kind == AnswerKind::version) machine_.version = answer.text;
+      if (answer.kind == AnswerKind::options) take_options(answer.text.substr(0, answer.text.find(',')));
+      break;
+    case Step::settings:
+      if (answer.kind != AnswerKind::setting) return;
+      if (const auto value = parse_ticks(answer.text)) take_setting(answer.number, static_cast<double>(*value) / 1e4);
       ++listed_;
-    } else if (answer.kind == AnswerKind::options) {
-      // Letters, planner blocks, receive bytes. 'Z': homing sets the origin where it ends.
-      machine_.origin_at_corner = answer.text.substr(0, answer.text.find(',')).find('Z') != std::string_view::npos;
-      ++listed_;
-    }
-  } else if (step_ == Step::settings && answer.kind == AnswerKind::setting) {
-    if (const auto value = parse_ticks(answer.text)) take_setting(answer.number, static_cast<double>(*value) / 1e4);
-    ++listed_;
-  } else if (step_ == Step::parameters && answer.kind == AnswerKind::probe) {
-    last_probe_ = answer.probe;
-    ++listed_;
+      return;
+    case Step::parameters:
+      if (answer.kind == AnswerKind::probe) last_probe_ = answer.probe;
+      break;
+    case Step::parser:
+      if (answer.text.starts_with("GC:")) machine_.spindle_on = has_word(answer.text, "M3") || has_word(answer.text, "M4");
+      break;
+    default: return;
   }
+  if (is_bracket) ++listed_;
+}
+
+/// The letters of [OPT:...], each for a choice made when the controller's program was built.
+void Session::take_options(std::string_view letters) noexcept {
+  machine_.origin_at_corner = letters.find('Z') != std::string_view::npos;
+  machine_.starts_unlocked = letters.find('L') != std::string_view::npos;
 }
 
 void Session::take_setting(int number, double value) {
@@ -154,6 +174,7 @@ void Session::take_setting(int number, double value) {
     case 13: machine_.reports_inches = is_on; break;
     case 20: machine_.soft_limits = is_on; break;
     case 22: machine_.homes = is_on; break;
+    case 23: machine_.homing_low = static_cast<unsigned>(value); break;
     case 122: machine_.acceleration_z = value; break;
     default: break;
   }
@@ -174,21 +195,34 @@ void Session::end_greeting(Ns now) {
   } else if (status_.probe_closed && !progress_.has_begun) {
     fail_with(Errc::attention,
               "the probe is closed (Pn:P) before anything was touched: lift the tip, look at its wire and at $6");
-  } else if (is_position_in_doubt()) {
+  } else if (machine_.spindle_on) {
+    fail_with(Errc::attention, "the spindle is on (M3 or M4 in $G): switch it off with M5 before a probe is in it");
+  } else if (const std::string doubt = doubt_about_position(); !doubt.empty()) {
     is_locked_ = true;
-    fail_with(Errc::attention,
-              "the controller has started anew since the raster was interrupted and has no homing ($22=0), so its "
-              "position is lost; put resume = false to begin anew, or trust_position = true if the coordinates "
-              "are right all the same");
+    fail_with(Errc::attention, doubt + "; put resume = false to begin anew, or trust_position = true if the coordinates are "
+                                       "right all the same");
   } else {
     send(Step::modes, "G21G90G94", now);
   }
 }
 
 /// Any start of the controller, by hand, power or the opened port, clears the position of the last probe cycle that $# shows.
-bool Session::is_position_in_doubt() const noexcept {
-  if (!progress_.has_begun || options_.trust_position || machine_.homes) return false;
-  return !last_probe_ || (last_probe_->at == Position{} && !last_probe_->contact);
+/// A controller with homing is locked then until somebody homes it, if it was not built otherwise.
+std::string Session::doubt_about_position() const {
+  if (!progress_.has_begun || options_.trust_position || (machine_.homes && !machine_.starts_unlocked)) return {};
+  if (!last_probe_ || (last_probe_->at == Position{} && !last_probe_->contact)) {
+    return "the controller has started anew since the raster was interrupted and is not locked until it was homed ($22), so "
+           "its "
+           "position is lost";
+  }
+  // Otherwise it is of the row that was in work, or of the end of the row before.
+  const std::uint32_t last = std::min(row_, raster_.rows() - 1);
+  for (std::uint32_t row = last - std::min(last, 1U); row <= last; ++row) {
+    for (std::uint32_t column = 0; column < raster_.columns(); ++column) {
+      if (is_at(last_probe_->at, row, column)) return {};
+    }
+  }
+  return "the controller's last probe cycle was not where the raster was interrupted, so its position is in doubt";
 }
 
 std::string Session::why_area_does_not_fit() const {
@@ -198,7 +232,8 @@ std::string Session::why_area_does_not_fit() const {
   for (std::size_t axis = 0; axis < low.size(); ++axis) {
     const double travel = machine_.travel[axis];
     if (travel <= 0.0) continue;
-    const double lowest = machine_.origin_at_corner ? 0.0 : -travel;
+    const bool rises = machine_.origin_at_corner && ((machine_.homing_low >> axis) & 1U) != 0;
+    const double lowest = rises ? 0.0 : -travel;
     const bool is_too_large = high[axis] - low[axis] > travel;
     if (!is_too_large && (!machine_.soft_limits || (low[axis] >= lowest && high[axis] <= lowest + travel))) continue;
     std::string why =

@@ -61,7 +61,8 @@ std::vector<Option> own_rows() {
       {.key = "trust_position",
        .type = OptionType::flag,
        .standard = false,
-       .meaning = "go on although a controller without homing was started anew: you know that its coordinates are right"},
+       .meaning = "go on although a controller without homing was started anew or probed elsewhere: you know that its "
+                  "coordinates are right"},
   };
 }
 

@@ -8,7 +8,7 @@
 
 namespace scansion::grbl {
 
-inline constexpr TransportKinds kTransports{.serial = true, .tcp = true};
+inline constexpr TransportKinds kTransports{.serial = true, .tcp = true, .keeps_dtr = true};
 
 struct ProbeOptions {
   SessionOptions session;

@@ -93,17 +93,19 @@ void Session::judge_probe(Ns now) {
   }
 }
 
-std::string Session::why_not_here() const {
+Um Session::tolerance(std::size_t axis) const noexcept {
   constexpr double kUmPerMm = 1000.0;
-  const std::array<Um, 2> wanted{raster_.x(column_), raster_.y(row_)};
-  const auto tolerance = [this](std::size_t axis) {
-    const double steps = machine_.steps[axis];
-    constexpr Um kUntold = 50;
-    return steps > 0.0 ? std::llround(1.5 * kUmPerMm / steps) + 3 : kUntold;
-  };
-  for (std::size_t axis = 0; axis < wanted.size(); ++axis) {
-    if (std::abs(to_um(probe_.at[axis]) - wanted[axis]) > tolerance(axis)) return "a contact was reported at another place";
-  }
+  constexpr Um kUntold = 50;
+  const double steps = machine_.steps[axis];
+  return steps > 0.0 ? std::llround(1.5 * kUmPerMm / steps) + 3 : kUntold;
+}
+
+bool Session::is_at(const Position& at, std::uint32_t row, std::uint32_t column) const noexcept {
+  return std::abs(to_um(at[0]) - raster_.x(column)) <= tolerance(0) && std::abs(to_um(at[1]) - raster_.y(row)) <= tolerance(1);
+}
+
+std::string Session::why_not_here() const {
+  if (!is_at(probe_.at, row_, column_)) return "a contact was reported at another place";
   const Um z = to_um(probe_.at[2]);
   if (z > ceiling_ + tolerance(2) || z < raster_.bottom() - tolerance(2))
     return "a contact was reported at an impossible height";
@@ -112,6 +114,11 @@ std::string Session::why_not_here() const {
 
 void Session::take_contact(Ns now) {
   z_ = to_um(probe_.at[2]);
+  if (z_ >= raster_.top()) {
+    fail_with(Errc::attention, "the tip met something at or above top, at " + place() +
+                                   ": no height is safe; lift it by hand, and look at top and at what lies in the area");
+    return;
+  }
   current_.points[column_] = probe_.at;
   heights_.put(row_, column_, z_);
   misses_together_ = 0;

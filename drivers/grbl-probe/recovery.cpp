@@ -3,6 +3,8 @@
 #include "drivers/grbl-probe/gcode.hpp"
 #include "drivers/grbl-probe/session.hpp"
 
+#include <utility>
+
 namespace scansion::grbl {
 namespace {
 

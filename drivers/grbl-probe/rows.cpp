@@ -3,6 +3,7 @@
 #include "drivers/grbl-probe/rows.hpp"
 
 #include <cmath>
+#include <utility>
 
 namespace scansion::grbl {
 

@@ -5,6 +5,7 @@
 #include "drivers/grbl-probe/codes.hpp"
 
 #include <cmath>
+#include <utility>
 
 namespace scansion::grbl {
 namespace {
@@ -28,10 +29,11 @@ Session::Session(const SessionOptions& options, const Raster& raster, HeightMap&
 }
 
 Ns Session::poll_interval() const noexcept {
-  if (halt_ != Halt::none && !at_rest_) return 50 * kMs;
+  constexpr Ns kFast = 100 * kMs, kSlow = 200 * kMs; // the controller answers up to ten a second beside its work
+  if (halt_ != Halt::none && !at_rest_) return kFast;
   switch (phase_) {
-    case Phase::greeting: return step_ == Step::find_offset ? 50 * kMs : 100 * kMs;
-    case Phase::probing: return 200 * kMs;
+    case Phase::greeting: return kFast;
+    case Phase::probing: return kSlow;
     case Phase::finished:
     case Phase::failed: break;
   }
@@ -141,8 +143,10 @@ void Session::on_status(const StatusReport& status, Ns now) {
   is_status_fresh_ = true;
   if (is_machine_held()) is_disturbed_ = true;
   if (phase_ != Phase::probing || was_reset_) return;
-  const bool is_strange = status.state == MachineState::check || status.state == MachineState::sleep;
-  const bool is_alarm = status.state == MachineState::alarm && alarm_ == 0;
+  const bool is_strange =
+      status.state == MachineState::check || status.state == MachineState::sleep || status.state == MachineState::home;
+  // A report of before $X may come after it was sent.
+  const bool is_alarm = status.state == MachineState::alarm && alarm_ == 0 && step_ != Step::unlock;
   if (!is_strange && !is_alarm) return;
   is_locked_ = true;
   fail_with(Errc::attention, "the machine is in state " + std::string(name(status.state)) +

@@ -29,7 +29,10 @@ struct Machine {
   bool reports_inches = false;    ///< $13
   bool soft_limits = false;       ///< $20
   bool homes = false;             ///< $22: locked after each start until somebody homes it
+  bool starts_unlocked = false;   ///< the build does not insist on homing after a start
   bool origin_at_corner = false;  ///< the build sets coordinates to 0 where it homed, not to the negative travel
+  unsigned homing_low = 0;        ///< $23: bit 0 for x: it homes to the low end
+  bool spindle_on = false;        ///< M3 or M4 in $G
   std::array<double, 3> steps{};  ///< $100..$102, a mm; 0: not told
   double acceleration_z = 0.0;    ///< $122, mm/s2; 0: not told
   std::array<double, 3> travel{}; ///< $130..$132; 0: not told
@@ -117,6 +120,7 @@ private:
     identify,    ///< $I
     settings,    ///< $$
     parameters,  ///< $#
+    parser,      ///< $G
     find_offset, ///< a status report with WCO
     modes,       ///< G21G90G94
     // one point
@@ -170,8 +174,9 @@ private:
   void await_modes(Ns now);
   void on_greeting_answer(const Answer& answer);
   void take_setting(int number, double value);
+  void take_options(std::string_view letters) noexcept;
   [[nodiscard]] std::string why_area_does_not_fit() const;
-  [[nodiscard]] bool is_position_in_doubt() const noexcept;
+  [[nodiscard]] std::string doubt_about_position() const;
   [[nodiscard]] double limited_feed() const noexcept;
 
   // probing.cpp
@@ -187,6 +192,9 @@ private:
   void refuse_reply(int error, Ns now);
   [[nodiscard]] std::string place() const;
   [[nodiscard]] std::string why_not_here() const;
+  /// Within what rounding to steps allows.
+  [[nodiscard]] Um tolerance(std::size_t axis) const noexcept;
+  [[nodiscard]] bool is_at(const Position& at, std::uint32_t row, std::uint32_t column) const noexcept;
 
   // recovery.cpp
   void resync(std::string_view why, Ns now);

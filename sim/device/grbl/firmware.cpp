@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace scansion::sim::grbl {
 namespace {
@@ -96,6 +97,7 @@ Ns Firmware::next_thing() const {
 /// True: something happened at now_, look again.
 bool Firmware::step() {
   if (now_ < paused_until_) return false;
+  if (std::exchange(owes_critical_message_, false)) say("[MSG:Reset to continue]");
   const bool is_addressed = wants_status_ || wants_hold_ || wants_resume_ || wants_door_ || wants_jog_cancel_;
   // While it homes only a reset is heard; the rest waits for its end.
   if (wants_reset_ || (is_addressed && state_ != State::homing)) {
@@ -174,7 +176,7 @@ void Firmware::start(bool after_power) {
   line_.clear();
   line_too_long_ = in_comment_ = after_semicolon_ = false;
   wants_status_ = wants_hold_ = wants_resume_ = wants_reset_ = wants_door_ = wants_jog_cancel_ = false;
-  is_hold_complete_ = has_hold_flag_ = is_critical_ = false;
+  is_hold_complete_ = has_hold_flag_ = is_critical_ = owes_critical_message_ = false;
   wakes_at_ = kNever;
   ready_ = nullptr;
   then_ = nullptr;
@@ -363,8 +365,7 @@ void Firmware::alarm(int number) {
   state_ = State::alarm;
   paused_until_ = now_ + options_.alarm_pause;
   if (number != 1 && number != 2) return;
-  say("[MSG:Reset to continue]");
-  is_critical_ = true;
+  is_critical_ = owes_critical_message_ = true;
 }
 
 void Firmware::raise_alarm(int number) {

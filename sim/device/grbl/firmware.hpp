@@ -160,6 +160,7 @@ private:
   bool is_hold_complete_ = false;
   bool has_hold_flag_ = false; ///< left behind by a cancelled motion until the next one
   bool is_critical_ = false;   ///< ALARM 1 and 2: deaf until a reset
+  bool owes_critical_message_ = false;
   Ns paused_until_ = 0;
   Ns wakes_at_ = kNever; ///< end of a dwell or of homing
 

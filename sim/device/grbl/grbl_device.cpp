@@ -3,6 +3,7 @@
 #include "sim/device/grbl/grbl_device.hpp"
 
 #include <cmath>
+#include <utility>
 
 namespace scansion::sim::grbl {
 

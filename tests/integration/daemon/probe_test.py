@@ -1,30 +1,30 @@
 # A touch probe from end to end: scansim grbl -> scansiond -> recording, with everything that goes wrong on the way.
 # SPDX-License-Identifier: Apache-2.0
-"""Needs SCANSIOND, SCANSION and SCANSIM. SCANSION_PROBE_CYCLES=200 is the long form of the unplug test: a
-machine five times slower than a real one."""
+"""Needs SCANSIOND, SCANSION and SCANSIM. SCANSION_LONG=1: 200 unplugs instead of 4, and a raster at the speed of a real machine."""
+import json
 import os
 import random
-import signal
 import subprocess
 import time
 import unittest
 
-from harness import PATIENCE, STOP_SECONDS, DaemonTest
+from harness import PATIENCE, DaemonTest
+from port_driver_kit import LONG, recordings
+from simulator import cpu_seconds, descriptors, memory_kib
 
 SIMULATOR = os.environ["SCANSIM"]
 TOOL = os.environ["SCANSION"]
-CYCLES = int(os.environ.get("SCANSION_PROBE_CYCLES", "6"))
 STEP = 0.004  # mm, one step of the simulated machine
 AREA = {"x_from": 0.0, "x_to": 20.0, "y_from": 0.0, "y_to": 10.0, "pitch": 2.5, "spacing": 2.5, "top": -0.5, "bottom": -9.0}
 
 
-def write_part(path):
+def write_part(path, rows=5, columns=9):
     """A stepped part on the raster's grid; returns the heights by place."""
     heights = {}
     rng = random.Random(5)
     with open(path, "w") as out:
-        for row in range(5):
-            for column in range(9):
+        for row in range(rows):
+            for column in range(columns):
                 x, y = column * 2.5, row * 2.5
                 z = round((-2.0 if 6 < x < 14 else -3.5) + rng.randrange(-200, 200) / 1000, 3)
                 heights[(x, y)] = z
@@ -74,8 +74,11 @@ class ProbeTest(DaemonTest):
         points = self.points(path)
         self.assertEqual(sorted((x, y) for x, y, _ in points), sorted(self.heights))
         for x, y, z in points:
-            self.assertLessEqual(z, self.heights[(x, y)] + 0.0006, (x, y))
-            self.assertGreater(z, self.heights[(x, y)] - STEP - 0.0006, (x, y))
+            self.check_height(x, y, z)
+
+    def check_height(self, x, y, z):
+        self.assertLessEqual(z, self.heights[(x, y)] + 0.0006, (x, y))
+        self.assertGreater(z, self.heights[(x, y)] - STEP - 0.0006, (x, y))
 
     def order(self, verb, *more):
         return subprocess.run([TOOL, verb, "d", "--socket", self.running.socket, *more], capture_output=True, text=True)
@@ -86,27 +89,48 @@ class ProbeTest(DaemonTest):
 
 
 class Raster(ProbeTest):
+    def check_transcript(self, raw, path, **options):
+        """Played again, the bytes that came give the same recording."""
+        replay = os.path.join(self.folder, "again")
+        os.mkdir(replay)
+        device = self.probe(transcript=raw, **options)
+        del device["port"]
+        again = self.daemon([device], directory=replay).start()
+        again.until_state("finished")
+        again.stop(self)
+        (copy,) = recordings(again)
+        with open(path, "rb") as live, open(copy, "rb") as file:
+            self.assertTrue(file.read() == live.read(), "the same bytes as live")
+
     def test_at_maximum_speed_and_its_transcript(self):
         self.simulate()
         raw = os.path.join(self.folder, "machine.raw")
         daemon = self.run_daemon(self.probe(raw=raw))
         daemon.until_state("finished")
         daemon.stop(self)
-        (path,) = daemon.files()
+        (path,) = recordings(daemon)
         self.check_sound(path)
         self.check_whole(path)
-        with open(path, "rb") as file:
-            live = file.read()
-        replay = os.path.join(self.folder, "again")
-        os.mkdir(replay)
-        device = self.probe(transcript=raw)
-        del device["port"]
-        again = self.daemon([device], directory=replay).start()
-        again.until_state("finished")
-        again.stop(self)
-        (copy,) = again.files()
-        with open(copy, "rb") as file:
-            self.assertTrue(file.read() == live, "the same bytes as live")
+        self.check_transcript(raw, path)
+
+    @unittest.skipUnless(LONG, "takes minutes: SCANSION_LONG=1")
+    def test_at_the_speed_of_a_real_machine(self):
+        rows, columns = 13, 21
+        self.heights = write_part(self.part, rows, columns)
+        self.simulate(speed=1)
+        raw = os.path.join(self.folder, "machine.raw")
+        area = {"x_to": (columns - 1) * 2.5, "y_to": (rows - 1) * 2.5}
+        begin = time.monotonic()
+        daemon = self.run_daemon(self.probe(raw=raw, **area))
+        for row in range(rows):  # each row has a minute
+            daemon.until(lambda: (d := daemon.device())["lines"] > row or d["state"] == "finished", f"row {row}")
+        daemon.until_state("finished")
+        print(f"{rows * columns} points at a real machine's speed in {time.monotonic() - begin:.0f} s, {daemon.device()['link']}")
+        daemon.stop(self)
+        (path,) = recordings(daemon)
+        self.check_sound(path)
+        self.check_whole(path)
+        self.check_transcript(raw, path, **area)
 
     def test_at_the_machines_own_speed_over_tcp(self):
         # Twenty times a real machine, so that acceleration, overshoot and Run are all there but the test is short.
@@ -198,13 +222,61 @@ class Resume(ProbeTest):
         self.assertEqual(daemon.log_text().count("lines of an earlier run"), 1)
 
     def test_unplugged_at_random_moments(self):
-        """The controller has its own supply: the raster goes on where it was."""
-        self.simulate("--keeps-power", "--seed", "7", "--fault", "unplug:at=3,for=0.3,every=6,jitter=0.4", speed=4 if CYCLES < 20 else 0.2)
-        daemon = self.run_daemon(self.probe())
-        daemon.until_state("finished")
+        """The controller has its own supply and is not reset by the port: the raster goes on where it was."""
+        turns = 200 if LONG else 4
+        rows = 400 if LONG else 12
+        self.heights = write_part(self.part, rows=rows)
+        self.simulate("--keeps-power", "--set", "131=1100", "--seed", "7", "--fault", "unplug:at=1.5,for=0.7,every=3,jitter=0.3", speed=10)
+        daemon = self.run_daemon(self.probe(y_to=(rows - 1) * 2.5))
+        pid = daemon.process.pid
+        slowest = {"gone": 0.0, "back": 0.0, "going": 0.0, "cpu": 0.0}
+        begin = None
+        for turn in range(turns):
+            daemon.until_state("streaming")
+            daemon.until(lambda: not os.path.islink(self.link), "unplugged")
+            gone = time.monotonic()
+            daemon.until(lambda: daemon.device()["state"] != "streaming", "the loss is noticed")
+            slowest["gone"] = max(slowest["gone"], time.monotonic() - gone)
+            used, since = cpu_seconds(pid), time.monotonic()
+            daemon.until(lambda: os.path.islink(self.link), "plugged in")
+            back = time.monotonic()
+            slowest["cpu"] = max(slowest["cpu"], (cpu_seconds(pid) - used) / (back - since))
+            daemon.until(lambda: daemon.device()["state"] in ("starting", "streaming"), "the port is open")
+            slowest["back"] = max(slowest["back"], time.monotonic() - back)
+            daemon.until_state("streaming")  # not before the machine has ended what it was doing
+            slowest["going"] = max(slowest["going"], time.monotonic() - back)
+            if turn == 1:
+                begin = descriptors(pid), memory_kib(pid)
+        end = descriptors(pid), memory_kib(pid)
         daemon.stop(self)
-        self.assertGreaterEqual(daemon.log_text().count("lost, the port is gone"), 2)
-        self.check_whole([path for path in daemon.files() if path.endswith(".mcap")][-1])
+        print(f"slowest of {turns}: noticed {slowest['gone'] * 1000:.0f} ms, open {slowest['back'] * 1000:.0f} ms and going on "
+              f"{slowest['going'] * 1000:.0f} ms after it was back, CPU while gone {slowest['cpu'] * 100:.1f} %; rss {begin[1]} -> {end[1]} kB, descriptors {begin[0]} -> {end[0]}")
+        self.assertLess(slowest["gone"], 1.0)
+        self.assertLess(slowest["back"], 2.0)
+        self.assertLess(slowest["cpu"], 0.05)
+        self.assertLessEqual(end[0], begin[0] + 1)
+        if LONG:
+            self.assertLess(end[1], begin[1] * 1.2 + 4096)
+        self.check_rows_of(recordings(daemon), turns)
+
+    def check_rows_of(self, paths, turns):
+        """Each loss ends a file. A row that was in work is its gap; the next file has all rows of before again, and goes on."""
+        self.assertEqual(len(paths), turns + 1)
+        done, interrupted = 0, 0
+        for path in paths:
+            self.check_sound(path)
+            info = json.loads(subprocess.run([TOOL, "info", "--json", path], capture_output=True, text=True).stdout)
+            gaps = [(gap["first"], gap["count"]) for gap in info["gap_list"]]
+            self.assertIn(gaps, ([], [(info["lines"], 1)]), path)
+            self.assertGreaterEqual(info["lines"], done, path)
+            done, interrupted = info["lines"], interrupted + len(gaps)
+            points = self.points(path)
+            self.assertEqual(len(points), done * 9)
+            for at, (x, y, z) in enumerate(points):
+                self.assertEqual((x, y), (at % 9 * 2.5, at // 9 * 2.5), path)
+                self.check_height(x, y, z)
+        self.assertGreater(done, turns // 4, "rows are done between the losses")
+        self.assertGreater(interrupted, turns // 4, "rows are interrupted")
 
     def test_lost_position_needs_a_person(self):
         raw = os.path.join(self.folder, "machine.raw")

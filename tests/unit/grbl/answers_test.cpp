@@ -32,13 +32,14 @@ TEST(GrblAnswers, AreTheSameInAnyPieces) {
   const std::string_view text =
       "\r\nGrbl 1.1h ['$' for help]\r\n[MSG:'$H'|'$X' to unlock]\r\nok\r\nerror:9\r\nALARM:5\r\n"
       "[PRB:-1.5,2.0000,-0.125,7.000:1]\r\n<Hold:1|WPos:1.000,2.000,3.000|Bf:1,2|Pn:PZ|WCO:0,0,-1.5|Q:9>\r\n"
-      "$13=0\r\n[VER:1.1h.20190830:]\r\n[OPT:V,15,128]\r\n>G20:ok\r\nGrblHAL 1.1f ['$' or '$HELP' for help]\r\n";
+      "$13=0\r\n[VER:1.1h.20190830:]\r\n[OPT:V,15,128]\r\n>G20:ok\r\nGrblHAL 1.1f ['$' or '$HELP' for help]\r\n"
+      "Grbl 3.7 [FluidNC v3.7.0 (wifi) '$' for help]\r\n";
   for (const std::size_t piece : {1U, 2U, 3U, 7U, 64U, 1000U}) {
     Heard heard;
     hear(text, piece, heard);
     using enum AnswerKind;
-    EXPECT_EQ(heard.kinds,
-              (std::vector{banner, message, ok, error, alarm, probe, status, setting, version, options, start_up, banner}));
+    EXPECT_EQ(heard.kinds, (std::vector{banner, message, ok, error, alarm, probe, status, setting, version, options, start_up,
+                                        banner, banner}));
     EXPECT_EQ(heard.numbers[3], 9);
     EXPECT_EQ(heard.probe, (ProbeReport{{-15000, 20000, -1250}, true}));
     EXPECT_EQ(heard.status.state, MachineState::hold);
@@ -46,7 +47,7 @@ TEST(GrblAnswers, AreTheSameInAnyPieces) {
     EXPECT_TRUE(heard.status.probe_closed);
     EXPECT_EQ(heard.status.offset, (Position{0, 0, -15000}));
     EXPECT_FALSE(heard.status.machine);
-    EXPECT_EQ(heard.counters.accepted, 12U);
+    EXPECT_EQ(heard.counters.accepted, 13U);
     EXPECT_EQ(heard.counters.rejected(), 0U);
   }
 }

@@ -1,4 +1,4 @@
-// A session and a simulated controller joined by wires of no length, in a time of their own.
+// A session and a simulated controller joined by wires, in a time of their own.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -7,8 +7,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <gtest/gtest.h>
 #include <random>
+#include <utility>
 
 namespace scansion::grbl::test {
 
@@ -43,6 +45,7 @@ struct BenchOptions {
   RasterArea area = small_area();
   sim::grbl::Surface surface = wavy;
   std::uint32_t max_misses = 20;
+  Ns wire = 0; ///< that each byte takes, either way
 };
 
 class Bench {
@@ -59,8 +62,11 @@ public:
     firmware_->power_on(now_);
   }
 
-  void connect(Progress progress = {}) {
+  void connect(Progress progress = {}, bool trusts = false) {
+    to_machine_.clear();
+    to_session_.clear();
     SessionOptions session;
+    session.trust_position = trusts;
     session.area = options_.area;
     session.feed = 240.0;
     session.max_misses = options_.max_misses;
@@ -69,8 +75,11 @@ public:
 
   /// One wake-up of driver or controller, whichever comes first.
   void step() {
-    const Ns next = std::max(now_, std::min(session_->deadline(), firmware_->next_event()));
-    now_ = next;
+    Ns next = std::min(session_->deadline(), firmware_->next_event());
+    for (const Wire* wire : {&to_machine_, &to_session_}) {
+      if (!wire->empty()) next = std::min(next, wire->front().first);
+    }
+    now_ = std::max(now_, next);
     firmware_->run_until(now_);
     deliver();
     if (now_ >= session_->deadline()) session_->tick(now_);
@@ -123,17 +132,25 @@ public:
   std::function<void(std::string&)> spoil;
 
   void deliver() {
-    std::string said = std::move(firmware_->output());
-    firmware_->output().clear();
-    if (spoil) spoil(said);
-    if (!said.empty()) session_->received(std::as_bytes(std::span(said)), now_);
+    if (!firmware_->output().empty()) to_session_.emplace_back(now_ + options_.wire, std::exchange(firmware_->output(), {}));
+    while (!to_session_.empty() && to_session_.front().first <= now_) {
+      std::string said = std::move(to_session_.front().second);
+      to_session_.pop_front();
+      if (spoil) spoil(said);
+      if (!said.empty()) session_->received(std::as_bytes(std::span(said)), now_);
+    }
   }
   void transmit() {
     std::string& out = session_->output();
-    if (out.empty()) return;
-    log_ += out;
-    firmware_->receive({reinterpret_cast<const std::uint8_t*>(out.data()), out.size()}, now_);
-    out.clear();
+    if (!out.empty()) {
+      log_ += out;
+      to_machine_.emplace_back(now_ + options_.wire, std::exchange(out, {}));
+    }
+    while (!to_machine_.empty() && to_machine_.front().first <= now_) {
+      const std::string sent = std::move(to_machine_.front().second);
+      to_machine_.pop_front();
+      firmware_->receive({reinterpret_cast<const std::uint8_t*>(sent.data()), sent.size()}, now_);
+    }
   }
 
   /// Every row there is, and each contact at most one step below the surface.
@@ -156,6 +173,8 @@ public:
   }
 
 private:
+  using Wire = std::deque<std::pair<Ns, std::string>>; ///< arrival, bytes
+
   static Raster make_raster(const RasterArea& area) {
     auto raster = Raster::create(area);
     EXPECT_TRUE(raster);
@@ -171,6 +190,7 @@ private:
   Ns now_ = kS;
   std::vector<Row> rows_;
   std::string log_;
+  Wire to_machine_, to_session_;
 };
 
 } // namespace scansion::grbl::test

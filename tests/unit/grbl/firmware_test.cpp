@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/unit/grbl/bench.hpp"
 
+#include <utility>
+
 namespace scansion::grbl::test {
 namespace {
 
@@ -39,19 +41,13 @@ protected:
 };
 
 TEST_F(Controller, AnswersEachLineOnce) {
-  EXPECT_EQ(say("\r\n"), "ok|ok|");
-  EXPECT_EQ(say("%\n"), "error:1|");
-  EXPECT_EQ(say("(comment)\n ; more\n"), "ok|ok|");
-  EXPECT_EQ(say("g1 x1\n"), "error:22|");
-  EXPECT_EQ(say("G38.2F100\n"), "error:26|");
-  EXPECT_EQ(say("G38.2Z0F100\n"), "error:33|");
-  std::string longest(80, 'A');
-  longest.back() = '\n';
-  EXPECT_EQ(say(longest), "error:2|");
-  longest.front() = 'B';
-  longest.insert(longest.begin(), 'A');
-  EXPECT_EQ(say(longest), "error:11|");
-  EXPECT_EQ(say("\xC3\xA4\n"), "ok|");
+  std::string longest(80, 'A'), longer(81, 'A');
+  longest.back() = longer.back() = '\n';
+  const std::vector<std::pair<std::string_view, std::string_view>> talk{
+      {"\r\n", "ok|ok|"},       {"%\n", "error:1|"},          {"(comment)\n ; more\n", "ok|ok|"},
+      {"g1 x1\n", "error:22|"}, {"G38.2F100\n", "error:26|"}, {"G38.2Z0F100\n", "error:33|"},
+      {longest, "error:2|"},    {longer, "error:11|"},        {"\xC3\xA4\n", "ok|"}};
+  for (const auto& [sent, answer] : talk) EXPECT_EQ(say(sent), answer) << sent;
 }
 
 TEST_F(Controller, ProbeCyclesEndAsObserved) {
@@ -115,6 +111,21 @@ TEST_F(Controller, SoftLimitsAreDeafUntilReset) {
   EXPECT_EQ(say("G38.2Z-300F100\n"), "ALARM:2|[MSG:Reset to continue]|");
   EXPECT_EQ(say("?\n$X\n"), "");
   EXPECT_EQ(say("\x18"), "ok||Grbl 1.1h ['$' for help]|[MSG:'$H'|'$X' to unlock]|");
+}
+
+TEST_F(Controller, AlarmsPauseBeforeTheyGoOn) {
+  machine_->settings().force(22, 1.0);
+  machine_->settings().force(20, 1.0);
+  EXPECT_EQ(say("G0X300\n", 499 * kMs), "ALARM:2|");
+  EXPECT_EQ(say("", kMs), "[MSG:Reset to continue]|");
+  static_cast<void>(say("\x18"));
+  EXPECT_EQ(say("$X\n"), "[MSG:Caution: Unlocked]|ok|");
+  EXPECT_EQ(say("G38.3Z-10F3000\n"), "[PRB:0.000,0.000,-5.000:1]|ok|");
+  EXPECT_EQ(say("G38.3Z-10\n", 100 * kMs), "ALARM:4|");
+  EXPECT_EQ(say("?", 399 * kMs), "");
+  const std::string rest = say("", kMs);
+  EXPECT_TRUE(rest.starts_with("<Alarm|")) << rest;
+  EXPECT_TRUE(rest.ends_with(">|ok|")) << rest;
 }
 
 TEST_F(Controller, HomingIsNeededAfterPowerWhenItIsOn) {

@@ -161,6 +161,87 @@ TEST(GrblSession, StuckPinIsSeenAndToldApartFromABadStart) {
   passing.expect_whole_scan();
 }
 
+TEST(GrblSession, ReportsOnTheirWayWhileItUnlocksAreNoNewAlarm) {
+  // The pin closes for a moment at another place of the poll's beat each time, and wires are slow.
+  for (Ns wire = 0; wire <= 30 * kMs; wire += 3 * kMs) {
+    for (int beat = 0; beat < 8; ++beat) {
+      Bench bench({.wire = wire});
+      bench.connect();
+      ASSERT_TRUE(bench.until_sent("G38", 3));
+      ASSERT_TRUE(bench.until_sent("G53G0Z", 3));
+      const Ns begin = bench.now() + beat * 25 * kMs;
+      ASSERT_TRUE(bench.run([&] { return bench.now() >= begin; }));
+      bench.firmware().set_pin_stuck(true);
+      const bool unlocks = bench.until_sent("$X");
+      bench.firmware().set_pin_stuck(false);
+      ASSERT_TRUE(unlocks && bench.finish()) << wire << ' ' << beat << bench.failure();
+      bench.expect_whole_scan();
+    }
+  }
+}
+
+TEST(GrblSession, ContactAboveTheTopEndsItWithoutAMove) {
+  BenchOptions options;
+  options.area.top = -5.0;
+  options.surface = [](double x, double) { return x > 6.0 ? -4.0 : -8.0; };
+  options.area.x_from = 7.0; // the machine stands at 0, above the top
+  Bench bench(options);
+  bench.connect();
+  EXPECT_FALSE(bench.finish());
+  EXPECT_NE(bench.failure().find("above top"), std::string::npos) << bench.failure();
+  EXPECT_EQ(bench.sent_lines("G38"), 1U);
+  EXPECT_TRUE(bench.rows().empty());
+}
+
+TEST(GrblSession, AsksTenTimesASecondAtMost) {
+  for (const bool holds : {false, true}) {
+    Bench bench;
+    bench.connect();
+    ASSERT_TRUE(bench.until_sent("G38", 2));
+    if (holds) bench.session().hold(bench.now());
+    const auto asked = [&] { return std::count(bench.log().begin(), bench.log().end(), '?'); };
+    const auto before = asked();
+    const Ns until = bench.now() + 2 * kS;
+    ASSERT_TRUE(bench.run([&] { return bench.now() >= until; }));
+    EXPECT_LE(asked() - before, 21);
+  }
+  Bench greeting;
+  greeting.connect();
+  const Ns until = greeting.now() + 2 * kS;
+  ASSERT_TRUE(greeting.run([&] { return greeting.now() >= until || greeting.session().is_ready(); }));
+  EXPECT_LE(std::count(greeting.log().begin(), greeting.log().end(), '?'), 21);
+}
+
+TEST(GrblSession, RefusesATurningSpindle) {
+  Bench bench;
+  const std::string_view line = "M3S100\n";
+  bench.firmware().receive({reinterpret_cast<const std::uint8_t*>(line.data()), line.size()}, bench.now());
+  bench.connect();
+  EXPECT_FALSE(bench.finish());
+  EXPECT_NE(bench.failure().find("spindle"), std::string::npos) << bench.failure();
+  EXPECT_EQ(bench.sent_lines("G"), 0U);
+}
+
+TEST(GrblSession, TravelGoesWhereHomingSaysThatItGoes) {
+  // A build that sets the origin where it homed: upwards of it on axes that home to their low end.
+  const auto spoil_with = [](std::string_view letters) {
+    return [letters](std::string& said) {
+      const std::size_t at = said.find("[OPT:V,");
+      if (at != std::string::npos) said.insert(at + 5, letters);
+    };
+  };
+  for (const bool fits : {false, true}) {
+    Bench bench;
+    bench.firmware().settings().force(22, 1.0);
+    bench.firmware().settings().force(20, 1.0);
+    bench.firmware().settings().force(23, fits ? 3.0 : 1.0); // the area lies above 0 in x and y
+    bench.spoil = spoil_with("Z");
+    bench.connect();
+    ASSERT_TRUE(bench.run([&] { return bench.session().is_ready(); }) == fits) << bench.failure();
+    EXPECT_EQ(bench.failure().find("travel in Y") != std::string::npos, !fits) << bench.failure();
+  }
+}
+
 TEST(GrblSession, HeldProbeCyclesAreDoneAgain) {
   Bench bench;
   bench.connect();
@@ -315,6 +396,24 @@ TEST(GrblSession, GoesOnAfterTheCableWasOut) {
   bench.connect({.rows = rows, .has_begun = true});
   ASSERT_TRUE(bench.finish()) << bench.failure();
   bench.expect_whole_scan();
+}
+
+TEST(GrblSession, GoesOnOnlyWhereItsLastProbeCycleWas) {
+  const auto again = [](std::string_view line, bool trusts = false) {
+    Bench bench;
+    bench.connect();
+    static_cast<void>(bench.until_sent("G38", 8));
+    bench.leave_alone(30 * kS);
+    bench.firmware().receive({reinterpret_cast<const std::uint8_t*>(line.data()), line.size()}, bench.now());
+    bench.leave_alone(60 * kS);
+    bench.connect({.rows = 1, .has_begun = true}, trusts);
+    return bench.finish() ? std::string("whole") : bench.failure();
+  };
+  // Another probe cycle elsewhere, as after somebody moved the part and set a new origin.
+  const std::string_view elsewhere = "G53G0Z0\nG53G0X30Y20\nG38.3Z-12F240\nG53G0Z0\n";
+  EXPECT_EQ(again("G53G0Z0\nG53G0X30Y20\n"), "whole");
+  EXPECT_NE(again(elsewhere).find("last probe cycle"), std::string::npos) << again(elsewhere);
+  EXPECT_EQ(again(elsewhere, true), "whole");
 }
 
 TEST(GrblSession, PredecessorsHalfLineAndMotionDoNoHarm) {
