@@ -49,7 +49,7 @@ public:
     heights_ = HeightMap(raster_);
     done_.put_heights(heights_);
     const bool has_begun = has_touched_ || !done_.is_empty();
-    session_.emplace(options_.session, raster_, heights_, Progress{done_.count(), has_begun}, *counters_,
+    session_.emplace(options_.session, raster_, heights_, Progress{done_.count(), has_begun, has_probed_}, *counters_,
                      transport_->now().monotonic_ns);
     const Ns give_up = transport_->now().monotonic_ns + kGreetingNs;
     while (!session_->is_ready()) {
@@ -150,8 +150,13 @@ private:
     return written;
   }
 
-  Result<void> collect() {
+  void remember() noexcept {
     has_touched_ |= session_->has_touched();
+    has_probed_ |= session_->has_probed();
+  }
+
+  Result<void> collect() {
+    remember();
     while (auto row = session_->take_row()) {
       Stamps stamps;
       stamps.host_monotonic_ns = arrived_.monotonic_ns;
@@ -172,7 +177,7 @@ private:
   }
 
   void bring_to_rest() noexcept {
-    has_touched_ |= session_->has_touched();
+    remember();
     const Ns begin = transport_->now().monotonic_ns;
     session_->leave(begin);
     pending_.reset();
@@ -198,7 +203,7 @@ private:
 
   HeightMap heights_;
   DoneRows done_;
-  bool has_touched_ = false; ///< in any run of this raster
+  bool has_touched_ = false, has_probed_ = false; ///< in any run of this raster
   std::optional<Session> session_;
   std::array<std::uint8_t, 4096> read_{};
   Moment arrived_;

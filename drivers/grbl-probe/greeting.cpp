@@ -192,7 +192,7 @@ void Session::end_greeting(Ns now) {
   }
   if (std::string why = why_area_does_not_fit(); !why.empty()) {
     fail_with(Errc::config, std::move(why));
-  } else if (status_.probe_closed && !progress_.has_begun) {
+  } else if (status_.probe_closed && !has_begun()) {
     fail_with(Errc::attention,
               "the probe is closed (Pn:P) before anything was touched: lift the tip, look at its wire and at $6");
   } else if (machine_.spindle_on) {
@@ -206,10 +206,16 @@ void Session::end_greeting(Ns now) {
   }
 }
 
+/// Coordinates must be those of before. A tip that was left on the part by the first probe cycle may only be lifted when they
+/// are.
+bool Session::has_begun() const noexcept {
+  return progress_.has_begun || (progress_.has_probed && status_.probe_closed);
+}
+
 /// Any start of the controller, by hand, power or the opened port, clears the position of the last probe cycle that $# shows.
 /// A controller with homing is locked then until somebody homes it, if it was not built otherwise.
 std::string Session::doubt_about_position() const {
-  if (!progress_.has_begun || options_.trust_position || (machine_.homes && !machine_.starts_unlocked)) return {};
+  if (!has_begun() || options_.trust_position || (machine_.homes && !machine_.starts_unlocked)) return {};
   if (!last_probe_ || (last_probe_->at == Position{} && !last_probe_->contact)) {
     return "the controller has started anew since the raster was interrupted and is not locked until it was homed ($22), so "
            "its "

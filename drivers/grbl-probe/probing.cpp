@@ -65,6 +65,7 @@ void Session::begin_point(bool from_top, Ns now) {
 }
 
 void Session::probe_here(Ns now) {
+  has_probed_ = true;
   send(Step::probe, probe_line(raster_.bottom() - to_um((*offset_)[2]), feed_), now);
 }
 

@@ -23,7 +23,8 @@ Session::Session(const SessionOptions& options, const Raster& raster, HeightMap&
                  LinkCounters& counters, Ns now)
     : options_(options), raster_(raster), heights_(heights), progress_(progress), link_(counters),
       garbage_before_(counters.rejected(Reject::framing)), answers_(counters), begun_(now), last_heard_(now), last_change_(now),
-      last_talk_(now), next_poll_(now), has_touched_(progress.has_begun), row_(progress.rows) {
+      last_talk_(now), next_poll_(now), has_touched_(progress.has_begun),
+      has_probed_(progress.has_begun || progress.has_probed), row_(progress.rows) {
   out_.reserve(256);
   current_.points.resize(raster.columns());
 }
@@ -262,10 +263,7 @@ void Session::run_halt(Ns now) {
       reset_controller();
     } else if (halt_ == Halt::leave && passed > kLeaveTime) {
       // Braking goes on without us; nothing moves it again before somebody says so.
-      if (brakes)
-        at_rest_ = true;
-      else
-        reset_controller();
+      if (!brakes) reset_controller();
     } else if (halt_ == Halt::hold && passed > kHoldTime && !brakes) {
       reset_controller();
       fail_with(Errc::attention,

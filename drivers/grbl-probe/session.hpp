@@ -48,8 +48,9 @@ struct Row {
 
 /// How far a raster has come, in this process or in a recording.
 struct Progress {
-  std::uint32_t rows = 0; ///< complete ones
-  bool has_begun = false; ///< the machine has touched the part: coordinates must still be those of then
+  std::uint32_t rows = 0;  ///< complete ones
+  bool has_begun = false;  ///< the machine has touched the part: coordinates must still be those of then
+  bool has_probed = false; ///< a probe cycle was sent: the tip may stand on the part
 };
 
 struct SessionCounts {
@@ -103,6 +104,8 @@ public:
   [[nodiscard]] const SessionCounts& counts() const noexcept { return counts_; }
   /// The tip has met the part, now or before.
   [[nodiscard]] bool has_touched() const noexcept { return has_touched_; }
+  /// A probe cycle was sent, now or before.
+  [[nodiscard]] bool has_probed() const noexcept { return has_probed_; }
   /// What keeps it from going on, for a person; empty: nothing.
   [[nodiscard]] std::string condition() const;
   /// When the controller last said anything.
@@ -176,6 +179,7 @@ private:
   void take_setting(int number, double value);
   void take_options(std::string_view letters) noexcept;
   [[nodiscard]] std::string why_area_does_not_fit() const;
+  [[nodiscard]] bool has_begun() const noexcept;
   [[nodiscard]] std::string doubt_about_position() const;
   [[nodiscard]] double limited_feed() const noexcept;
 
@@ -247,7 +251,7 @@ private:
   std::uint32_t settles_ = 0;     ///< of an empty line after a reply that did not fit
   std::uint32_t point_tries_ = 0; ///< of the point
 
-  bool has_touched_;
+  bool has_touched_, has_probed_;
   double feed_ = 0.0;
   std::uint32_t row_ = 0, step_in_row_ = 0;
   std::uint32_t column_ = 0, last_column_ = 0;

@@ -375,6 +375,23 @@ TEST(GrblSession, LeavingHoldsFirstAndResetsThen) {
   EXPECT_TRUE(bench.session().was_reset());
 }
 
+TEST(GrblSession, LeavingWaitsForALongBrake) {
+  BenchOptions options;
+  options.area.x_from = options.area.x_to = 60.0;
+  Bench bench(options);
+  for (const int axis : {120, 121, 122}) bench.firmware().settings().force(axis, 5.0);
+  bench.connect();
+  ASSERT_TRUE(bench.until_sent("G53G0X"));
+  // On its way to x 60 it has 15 mm/s after 3 s, and needs as long to stand again.
+  const Ns begin = bench.now() + 3 * kS;
+  ASSERT_TRUE(bench.run([&] { return bench.now() >= begin; }));
+  bench.session().leave(bench.now());
+  ASSERT_FALSE(bench.run([&] { return bench.session().is_at_rest(); }, kS));
+  EXPECT_EQ(bench.log().find('\x18'), std::string::npos) << "a reset while it moves would lose the position";
+  ASSERT_TRUE(bench.run([&] { return bench.session().is_at_rest(); }, 5 * kS));
+  EXPECT_TRUE(bench.session().was_reset());
+}
+
 TEST(GrblSession, LeavingAnIdleOrFinishedMachineSendsNothing) {
   Bench bench;
   bench.connect();
@@ -396,6 +413,23 @@ TEST(GrblSession, GoesOnAfterTheCableWasOut) {
   bench.connect({.rows = rows, .has_begun = true});
   ASSERT_TRUE(bench.finish()) << bench.failure();
   bench.expect_whole_scan();
+}
+
+TEST(GrblSession, GoesOnAfterTheCableWasOutInItsFirstProbeCycle) {
+  for (const bool restarts : {false, true}) {
+    Bench bench;
+    bench.connect();
+    ASSERT_TRUE(bench.until_sent("G38"));
+    EXPECT_TRUE(bench.session().has_probed());
+    EXPECT_FALSE(bench.session().has_touched());
+    bench.leave_alone(30 * kS); // the tip stands on the part now
+    if (restarts) bench.firmware().power_on(bench.now());
+    bench.connect({.has_probed = true});
+    EXPECT_EQ(bench.finish(), !restarts) << bench.failure();
+    // Started anew, its coordinates are 0 where the tip stands: a lift to the top might go down.
+    EXPECT_EQ(bench.failure().find("position is lost") != std::string::npos, restarts) << bench.failure();
+    if (!restarts) bench.expect_whole_scan();
+  }
 }
 
 TEST(GrblSession, GoesOnOnlyWhereItsLastProbeCycleWas) {
