@@ -172,14 +172,12 @@ void GroupEncoder::Impl::write_level_positions(const LineGroup& group, std::span
     return symbols.estimate();
   };
   // A level whose coarser one did not follow hardly ever does: its vertices are more like noise.
-  bool follow = followed;
-  if (follow) {
-    const std::uint64_t following = attempt(true);
-    follow = following <= attempt(false);
+  const std::uint64_t alone = attempt(false);
+  if (followed && attempt(true) > alone) {
+    followed = false;
+    (void)attempt(false);
   }
-  if (follow || !followed) (void)attempt(follow);
-  followed = follow;
-  to.push_back(std::byte{follow});
+  to.push_back(std::byte{followed});
   symbols.write(to);
 }
 

@@ -38,6 +38,18 @@ constexpr std::uint32_t weight(std::uint8_t k) noexcept {
   return k == 0 ? 0 : (4U + (k - 1U) % 4U) << ((k - 1U) / 4U);
 }
 
+// n log2 n of small counts.
+constexpr std::uint32_t kSmall = 512;
+const auto kSmallProducts = [] {
+  std::array<std::uint32_t, kSmall> products{};
+  for (std::uint32_t n = 1; n < kSmall; ++n) products[n] = n * log2_fixed(n);
+  return products;
+}();
+
+std::uint64_t times_its_log(std::uint32_t n) noexcept {
+  return n < kSmall ? kSmallProducts[n] : std::uint64_t{n} * log2_fixed(n);
+}
+
 // What a table costs, roughly: its start, and a few bits a token.
 constexpr std::uint64_t kTableCost = std::uint64_t{24} << kLogBits;
 constexpr std::uint64_t kTokenCost = std::uint64_t{2} << kLogBits;
@@ -61,7 +73,7 @@ std::uint64_t coded_cost(const TokenCounts& counts) noexcept {
     for (std::size_t t = block; t < block + kBlock; ++t) {
       const std::uint32_t n = counts[t];
       sum += n;
-      own += std::uint64_t{n} * log2_fixed(n | (n == 0 ? 1U : 0U));
+      own += times_its_log(n);
       used += n != 0 ? 1U : 0U;
     }
   }

@@ -6,6 +6,9 @@
 #include <array>
 #include <bit>
 #include <cstring>
+#if defined(__x86_64__)
+#include <immintrin.h>
+#endif
 
 namespace scansion::kernels {
 namespace {
@@ -101,7 +104,50 @@ SCANSION_INLINE void ramp_body(std::uint32_t first, std::uint32_t step, std::int
   for (std::size_t i = 0; i < n; ++i) to[i] = static_cast<std::int32_t>(first + step * static_cast<std::uint32_t>(i));
 }
 
+// Where the next one lies cannot be foreseen, so nothing here branches on it. Doubles that are not negative have the order of
+// their bits.
+std::size_t above_body(const double* values, double limit, std::uint32_t* indexes, std::size_t n, double& rest) noexcept {
+  const auto limit_bits = std::bit_cast<std::uint64_t>(limit);
+  auto most = std::bit_cast<std::uint64_t>(rest);
+  std::size_t found = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto v = std::bit_cast<std::uint64_t>(values[i]);
+    indexes[found] = static_cast<std::uint32_t>(i);
+    found += v > limit_bits ? 1 : 0;
+    most = std::max(most, v > limit_bits ? 0 : v);
+  }
+  rest = std::bit_cast<double>(most);
+  return found;
+}
+
 #if defined(__x86_64__)
+// 32 comparisons at a time; their bits are few and are taken one by one.
+__attribute__((target("avx2"))) std::size_t above_avx2(const double* values, double limit, std::uint32_t* indexes,
+                                                       std::size_t n, double& rest) noexcept {
+  constexpr std::size_t kLanes = 4;
+  constexpr std::size_t kBlock = 32;
+  const __m256d limits = _mm256_set1_pd(limit);
+  __m256d most = _mm256_set1_pd(rest);
+  std::size_t found = 0;
+  std::size_t from = 0;
+  for (; from + kBlock <= n; from += kBlock) {
+    std::uint32_t bits = 0;
+    for (std::size_t i = 0; i < kBlock; i += kLanes) {
+      const __m256d v = _mm256_loadu_pd(values + from + i);
+      const __m256d larger = _mm256_cmp_pd(v, limits, _CMP_GT_OQ);
+      bits |= static_cast<std::uint32_t>(_mm256_movemask_pd(larger)) << i;
+      most = _mm256_max_pd(most, _mm256_andnot_pd(larger, v));
+    }
+    for (; bits != 0; bits &= bits - 1)
+      indexes[found++] = static_cast<std::uint32_t>(from + static_cast<std::size_t>(std::countr_zero(bits)));
+  }
+  std::array<double, kLanes> lanes{};
+  _mm256_storeu_pd(lanes.data(), most);
+  rest = *std::max_element(lanes.begin(), lanes.end());
+  const std::size_t tail = above_body(values + from, limit, indexes + found, n - from, rest);
+  for (std::size_t k = found; k < found + tail; ++k) indexes[k] += static_cast<std::uint32_t>(from);
+  return found + tail;
+}
 __attribute__((target("avx2"))) void from_steps_avx2(const std::int32_t* u, std::uint32_t base, std::uint32_t step,
                                                      std::int32_t* to, std::size_t n) noexcept {
   from_steps_body(u, base, step, to, n);
@@ -134,6 +180,7 @@ bool has_avx2() noexcept {
 bool has_avx2() noexcept {
   return false;
 }
+constexpr auto above_avx2 = above_body;
 constexpr auto from_steps_avx2 = from_steps_body;
 constexpr auto ramp_avx2 = ramp_body;
 constexpr auto add_products_avx2 = add_products_body;
@@ -164,20 +211,7 @@ void add_products(const double* x, double factor, double* normal, std::size_t ro
 }
 
 std::size_t above(const double* values, double limit, std::uint32_t* indexes, std::size_t n, double& rest) noexcept {
-  // Where the next one lies cannot be foreseen, so nothing here branches on it. Doubles that are not negative have the order of
-  // their bits.
-  const auto limit_bits = std::bit_cast<std::uint64_t>(limit);
-  std::array<std::uint64_t, 2> most{};
-  std::size_t found = 0;
-  for (std::size_t i = 0; i < n; ++i) {
-    const auto v = std::bit_cast<std::uint64_t>(values[i]);
-    indexes[found] = static_cast<std::uint32_t>(i);
-    found += v > limit_bits ? 1 : 0;
-    const std::uint64_t held = v > limit_bits ? 0 : v;
-    most[i % 2] = std::max(most[i % 2], held);
-  }
-  rest = std::max({rest, std::bit_cast<double>(most[0]), std::bit_cast<double>(most[1])});
-  return found;
+  return has_avx2() ? above_avx2(values, limit, indexes, n, rest) : above_body(values, limit, indexes, n, rest);
 }
 
 void subtract(const std::int32_t* __restrict a, const std::int32_t* __restrict b, std::int32_t* __restrict to,

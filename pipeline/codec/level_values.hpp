@@ -27,21 +27,24 @@ inline constexpr std::uint32_t kNothingAbove = 1;
 inline constexpr std::uint32_t kDoubts = 2;
 inline constexpr std::uint32_t kDoubtSizes = 20;
 
-/// The polyline of a level at any point of a run.
+/// The polyline of a level at any point of a run. It walks from where it was asked last, which is mostly near.
 class Curve {
 public:
-  Curve(const GroupState& s, std::size_t axis) noexcept : s_(s), u_(s.u[axis]) {}
-  [[nodiscard]] std::int64_t at(const RunAbove& run, PointIndex i) noexcept {
-    const auto begin = s_.vertices.begin() + s_.run_vertices[run.run];
-    const auto end = s_.vertices.begin() + s_.run_vertices[run.run + 1];
-    const auto right = std::lower_bound(begin, end, i);
-    if (*right == i) return u_[i];
-    return between(u_[*(right - 1)], u_[*right], i, *(right - 1), *right);
+  Curve(const GroupState& s, std::size_t axis) noexcept : vertices_(s.vertices), u_(s.u[axis]) {}
+  /// `i` is a point of the run asked for; the first and last points of a run are vertices.
+  [[nodiscard]] std::int64_t at(PointIndex i) noexcept {
+    while (vertices_[right_] < i) ++right_;
+    while (right_ > 0 && vertices_[right_ - 1] >= i) --right_;
+    const PointIndex right = vertices_[right_];
+    if (right == i) return u_[i];
+    const PointIndex left = vertices_[right_ - 1];
+    return between(u_[left], u_[right], i, left, right);
   }
 
 private:
-  const GroupState& s_;
+  const std::vector<PointIndex>& vertices_;
   const std::vector<std::int32_t>& u_;
+  std::size_t right_ = 0;
 };
 
 /// Visits the first and last points of all runs on an even axis: a run is expected to begin where the one before does and to go
@@ -65,6 +68,7 @@ template <class Code>
 void visit_level(const GroupState& s, std::span<const Run> runs, std::size_t axis, bool coarsest, Code&& code) {
   const auto& u = s.u[axis];
   Curve curve(s, axis);
+  Curve far(s, axis); // at the far ends of chords
   std::size_t f = 0;
   for (std::size_t r = 0; r < runs.size(); ++r) {
     const PointIndex first = runs[r].first;
@@ -91,7 +95,7 @@ void visit_level(const GroupState& s, std::span<const Run> runs, std::size_t axi
         std::size_t w = v + 1;
         while (s.added[w] != 0) ++w;
         right = s.vertices[w];
-        if (above.exists) right_above = curve.at(above, s.beside[right]);
+        if (above.exists) right_above = far.at(s.beside[right]);
       }
       const std::int64_t straight = between(u[left], u[right], at.point, left, right);
       LevelGuess guess;
@@ -102,8 +106,8 @@ void visit_level(const GroupState& s, std::span<const Run> runs, std::size_t axi
         const PointIndex l = s.beside[left];
         const PointIndex b = s.beside[right];
         const PointIndex i = s.beside[at.point];
-        const std::int64_t here = curve.at(above, i);
-        const std::int64_t left_above = left == before ? before_above : curve.at(above, l);
+        const std::int64_t here = curve.at(i);
+        const std::int64_t left_above = left == before ? before_above : curve.at(l);
         const std::int64_t bend = l < i && i < b ? here - between(left_above, right_above, i, l, b) : 0;
         guess[2] = wrap(straight + bend);
         guess[3] = wrap(u[left] + here - left_above);

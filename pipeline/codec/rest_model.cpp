@@ -53,14 +53,17 @@ bool is_straight(const LineGroup& group, const ScanLine& line, const GroupState&
 
 void RestAxis::fill_means(std::span<const Run> runs, std::span<const PointIndex> vertices) {
   for (auto& mean : means) mean.resize(deviation.size());
+  const std::int32_t* __restrict of = deviation.data();
+  std::int32_t* __restrict fast = means[0].data();
+  std::int32_t* __restrict slow = means[1].data();
   std::size_t v = 0;
   for (const Run& run : runs) {
     RunningMeans now;
     for (const PointIndex last = run.first + run.count - 1; vertices[v] != last; ++v)
       for (PointIndex i = vertices[v] + 1; i < vertices[v + 1]; ++i) {
-        means[0][i] = now.fast;
-        means[1][i] = now.slow;
-        now.add(deviation[i]);
+        fast[i] = now.fast;
+        slow[i] = now.slow;
+        now.add(of[i]);
       }
     ++v;
   }
