@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/codec/axis_scale.hpp"
 
+#include "pipeline/codec/kernels.hpp"
+
 #include <algorithm>
 #include <bit>
 #include <limits>
@@ -75,10 +77,7 @@ AxisScale scale_of(std::span<const std::int32_t> values, bool may_split) noexcep
   if (values.empty()) return {};
   std::int32_t low = values.front();
   std::int32_t high = low;
-  for (const std::int32_t v : values) { // two values at a time, as std::minmax has it, is no work for vector units
-    low = std::min(low, v);
-    high = std::max(high, v);
-  }
+  kernels::bounds(values.data(), values.size(), low, high);
   if (low == high) return {low, 1, false, false};
   std::int64_t step = shared_step(values);
   const std::int64_t range = std::int64_t{high} - low;

@@ -62,20 +62,14 @@ std::uint32_t log2_fixed(std::uint32_t x) noexcept {
   return (octave << kLogBits) + kLogTable[mantissa - 256];
 }
 
-std::uint64_t coded_cost(const TokenCounts& counts) noexcept {
+std::uint64_t coded_cost(std::span<const std::uint32_t> counts) noexcept {
   std::uint64_t sum = 0;
   std::uint64_t own = 0;
   std::uint64_t used = 0;
-  constexpr std::size_t kBlock = 4; // most tokens do not occur, and those that do stand together
-  static_assert(kTokens % kBlock == 0);
-  for (std::size_t block = 0; block < kTokens; block += kBlock) {
-    if ((counts[block] | counts[block + 1] | counts[block + 2] | counts[block + 3]) == 0) continue;
-    for (std::size_t t = block; t < block + kBlock; ++t) {
-      const std::uint32_t n = counts[t];
-      sum += n;
-      own += times_its_log(n);
-      used += n != 0 ? 1U : 0U;
-    }
+  for (const std::uint32_t n : counts) {
+    sum += n;
+    own += times_its_log(n);
+    used += n != 0 ? 1U : 0U;
   }
   if (sum == 0) return 0;
   return sum * log2_fixed(static_cast<std::uint32_t>(sum)) - own + kTableCost + used * kTokenCost;
@@ -174,7 +168,7 @@ Classes classes_of(const TokenCounts& counts) noexcept {
     choice.cost =
         least + counts[t] * std::uint64_t{kWeightLogs[kMaxClass] - kWeightLogs[choice.k]} + (weight(choice.k) * others >> 10U);
   };
-  constexpr std::uint64_t kFew = 1024;
+  constexpr std::uint64_t kFew = 256;
   const int around = sum < kFew ? kAround : 1; // with many tokens the best is near
   for (std::size_t t = 0; t < used; ++t) {
     const int middle = class_of(smooth(t) * to_weight >> 32U);

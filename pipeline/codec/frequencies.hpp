@@ -22,8 +22,8 @@ inline constexpr std::uint8_t kMaxClass = 48;
 [[nodiscard]] std::uint32_t log2_fixed(std::uint32_t x) noexcept;
 inline constexpr unsigned kLogBits = 12;
 
-/// What `counts` cost when coded with their own frequencies, table included, in units of 1/4096 bit.
-[[nodiscard]] std::uint64_t coded_cost(const TokenCounts& counts) noexcept;
+/// What `counts`, by token, cost when coded with their own frequencies, table included, in units of 1/4096 bit.
+[[nodiscard]] std::uint64_t coded_cost(std::span<const std::uint32_t> counts) noexcept;
 
 [[nodiscard]] Classes classes_of(const TokenCounts& counts) noexcept;
 /// False when no token occurs.

@@ -6,9 +6,6 @@
 #include <array>
 #include <bit>
 #include <cstring>
-#if defined(__x86_64__)
-#include <immintrin.h>
-#endif
 
 namespace scansion::kernels {
 namespace {
@@ -86,6 +83,7 @@ SCANSION_INLINE void add_products_body(const double* x, double factor, double* n
   for (std::size_t i = 0; i < rows; ++i) {
     const double xi = x[i] * factor;
     for (std::size_t j = 0; j < right.size(); ++j) {
+      if (j > i / 4 && j + 1 < right.size()) continue; // symmetric: what the lower half says
       double* at = normal + 16 * i + 4 * j;
       Four sum;
       std::memcpy(&sum, at, sizeof sum);
@@ -102,6 +100,27 @@ SCANSION_INLINE void from_steps_body(const std::int32_t* __restrict u, std::uint
 
 SCANSION_INLINE void ramp_body(std::uint32_t first, std::uint32_t step, std::int32_t* to, std::size_t n) noexcept {
   for (std::size_t i = 0; i < n; ++i) to[i] = static_cast<std::int32_t>(first + step * static_cast<std::uint32_t>(i));
+}
+
+SCANSION_INLINE void sizes_body(const std::int32_t* __restrict residual, std::uint32_t limit, std::int32_t* __restrict size,
+                                std::size_t n) noexcept {
+  // The largest negative number is no larger than the limit either way round.
+  const auto most = static_cast<std::int32_t>(limit);
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::int32_t held = std::max(residual[i], -most);
+    size[i] = std::min(held < 0 ? -held : held, most);
+  }
+}
+
+SCANSION_INLINE void bounds_body(const std::int32_t* values, std::size_t n, std::int32_t& low, std::int32_t& high) noexcept {
+  std::int32_t least = low;
+  std::int32_t most = high;
+  for (std::size_t i = 0; i < n; ++i) { // two values at a time, as std::minmax has it, is no work for vector units
+    least = std::min(least, values[i]);
+    most = std::max(most, values[i]);
+  }
+  low = least;
+  high = most;
 }
 
 // Where the next one lies cannot be foreseen, so nothing here branches on it. Doubles that are not negative have the order of
@@ -121,29 +140,31 @@ std::size_t above_body(const double* values, double limit, std::uint32_t* indexe
 }
 
 #if defined(__x86_64__)
-// 32 comparisons at a time; their bits are few and are taken one by one.
+// 32 comparisons at a time; their bits are few and are taken one by one. (The header with the processor's own names is not
+// included: behind it GCC 12 compiles with the options of the precompiled header.)
 __attribute__((target("avx2"))) std::size_t above_avx2(const double* values, double limit, std::uint32_t* indexes,
                                                        std::size_t n, double& rest) noexcept {
+  using Four = double __attribute__((vector_size(32)));
   constexpr std::size_t kLanes = 4;
   constexpr std::size_t kBlock = 32;
-  const __m256d limits = _mm256_set1_pd(limit);
-  __m256d most = _mm256_set1_pd(rest);
+  const Four limits = Four{} + limit;
+  Four most = Four{} + rest;
   std::size_t found = 0;
   std::size_t from = 0;
   for (; from + kBlock <= n; from += kBlock) {
     std::uint32_t bits = 0;
     for (std::size_t i = 0; i < kBlock; i += kLanes) {
-      const __m256d v = _mm256_loadu_pd(values + from + i);
-      const __m256d larger = _mm256_cmp_pd(v, limits, _CMP_GT_OQ);
-      bits |= static_cast<std::uint32_t>(_mm256_movemask_pd(larger)) << i;
-      most = _mm256_max_pd(most, _mm256_andnot_pd(larger, v));
+      Four v;
+      std::memcpy(&v, values + from + i, sizeof v);
+      const auto larger = v > limits;
+      bits |= static_cast<std::uint32_t>(__builtin_ia32_movmskpd256(reinterpret_cast<Four>(larger))) << i;
+      const Four held = larger ? Four{} : v;
+      most = held > most ? held : most;
     }
     for (; bits != 0; bits &= bits - 1)
       indexes[found++] = static_cast<std::uint32_t>(from + static_cast<std::size_t>(std::countr_zero(bits)));
   }
-  std::array<double, kLanes> lanes{};
-  _mm256_storeu_pd(lanes.data(), most);
-  rest = *std::max_element(lanes.begin(), lanes.end());
+  for (std::size_t k = 0; k < kLanes; ++k) rest = std::max(rest, most[k]);
   const std::size_t tail = above_body(values + from, limit, indexes + found, n - from, rest);
   for (std::size_t k = found; k < found + tail; ++k) indexes[k] += static_cast<std::uint32_t>(from);
   return found + tail;
@@ -155,6 +176,14 @@ __attribute__((target("avx2"))) void from_steps_avx2(const std::int32_t* u, std:
 __attribute__((target("avx2"))) void ramp_avx2(std::uint32_t first, std::uint32_t step, std::int32_t* to,
                                                std::size_t n) noexcept {
   ramp_body(first, step, to, n);
+}
+__attribute__((target("avx2"))) void sizes_avx2(const std::int32_t* residual, std::uint32_t limit, std::int32_t* size,
+                                                std::size_t n) noexcept {
+  sizes_body(residual, limit, size, n);
+}
+__attribute__((target("avx2"))) void bounds_avx2(const std::int32_t* values, std::size_t n, std::int32_t& low,
+                                                 std::int32_t& high) noexcept {
+  bounds_body(values, n, low, high);
 }
 __attribute__((target("avx2"))) void add_products_avx2(const double* x, double factor, double* normal,
                                                        std::size_t rows) noexcept {
@@ -183,6 +212,8 @@ bool has_avx2() noexcept {
 constexpr auto above_avx2 = above_body;
 constexpr auto from_steps_avx2 = from_steps_body;
 constexpr auto ramp_avx2 = ramp_body;
+constexpr auto sizes_avx2 = sizes_body;
+constexpr auto bounds_avx2 = bounds_body;
 constexpr auto add_products_avx2 = add_products_body;
 constexpr auto weigh_above_avx2 = weigh_above_body;
 constexpr auto residuals_avx2 = residuals_body;
@@ -245,6 +276,13 @@ void slope(std::int32_t from, std::int64_t step, std::int32_t* to, std::size_t n
   }
 }
 
+void bounds(const std::int32_t* values, std::size_t n, std::int32_t& low, std::int32_t& high) noexcept {
+  if (has_avx2())
+    bounds_avx2(values, n, low, high);
+  else
+    bounds_body(values, n, low, high);
+}
+
 void weigh_above(const std::int16_t* weights, const Above& above, const std::int32_t* chord, std::int64_t* sum,
                  std::int32_t* size, std::size_t n) noexcept {
   if (has_avx2())
@@ -261,14 +299,11 @@ void residuals(const std::int16_t* weights, const Left& left, const std::int64_t
     portable::residuals(weights, left, sum, residual, n);
 }
 
-void sizes(const std::int32_t* __restrict residual, std::uint32_t limit, std::int32_t* __restrict size,
-           std::size_t n) noexcept {
-  // The largest negative number is no larger than the limit either way round.
-  const auto most = static_cast<std::int32_t>(limit);
-  for (std::size_t i = 0; i < n; ++i) {
-    const std::int32_t held = std::max(residual[i], -most);
-    size[i] = std::min(held < 0 ? -held : held, most);
-  }
+void sizes(const std::int32_t* residual, std::uint32_t limit, std::int32_t* size, std::size_t n) noexcept {
+  if (has_avx2())
+    sizes_avx2(residual, limit, size, n);
+  else
+    sizes_body(residual, limit, size, n);
 }
 
 void contexts(const std::int32_t* size, const std::int32_t* above, std::uint8_t* context, std::size_t n) noexcept {

@@ -13,6 +13,9 @@ namespace scansion::kernels {
 [[nodiscard]] std::size_t above(const double* values, double limit, std::uint32_t* indexes, std::size_t n,
                                 double& rest) noexcept;
 
+/// Lowers `low` and raises `high` to the smallest and the largest of the values.
+void bounds(const std::int32_t* values, std::size_t n, std::int32_t& low, std::int32_t& high) noexcept;
+
 /// to[i] = a[i] - b[i], modulo 2^32.
 void subtract(const std::int32_t* a, const std::int32_t* b, std::int32_t* to, std::size_t n) noexcept;
 /// to[i] = base + step * u[i], modulo 2^32.
@@ -48,7 +51,8 @@ struct Left {
 void residuals(const std::int16_t* weights, const Left& left, const std::int64_t* sum, std::int32_t* residual,
                std::size_t n) noexcept;
 
-/// normal[i][j] += x[i] * factor * x[j] for `rows` rows of 16. Multiplies and adds apart, so every machine rounds alike.
+/// normal[i][j] += x[i] * factor * x[j] for `rows` rows of 16: for j up to i and from 12 on, at least. Multiplies and adds
+/// apart, so every machine rounds alike.
 void add_products(const double* x, double factor, double* normal, std::size_t rows) noexcept;
 
 /// size[i] = min(|residual[i]|, limit).

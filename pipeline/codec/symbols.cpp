@@ -5,14 +5,14 @@
 namespace scansion {
 namespace {
 
-void add(TokenCounts& to, const TokenCounts& counts) noexcept {
-  for (std::size_t t = 0; t < kTokens; ++t) to[t] += counts[t];
+void add(TokenCounts& to, const TokenCounts& counts, std::size_t tokens) noexcept {
+  for (std::size_t t = 0; t < tokens; ++t) to[t] += counts[t];
 }
 
-std::uint64_t cost_of_both(const TokenCounts& a, const TokenCounts& b) noexcept {
-  TokenCounts both = a;
-  add(both, b);
-  return coded_cost(both);
+std::uint64_t cost_of_both(const TokenCounts& a, const TokenCounts& b, std::size_t tokens) noexcept {
+  TokenCounts both;
+  for (std::size_t t = 0; t < tokens; ++t) both[t] = a[t] + b[t];
+  return coded_cost(std::span(both).first(tokens));
 }
 
 } // namespace
@@ -22,6 +22,7 @@ void SymbolWriter::clear() noexcept {
   plain_.clear();
   for (; used_ != 0; used_ &= used_ - 1) counts_[static_cast<std::size_t>(std::countr_zero(used_))].fill(0);
   tables_chosen_ = 0;
+  last_token_ = 0;
 }
 
 // Contexts stand in the order of growing residuals. Neighbours share a table where that is cheaper than two tables.
@@ -33,13 +34,14 @@ void SymbolWriter::choose_tables() {
   };
   std::array<Span, kMaxContexts> spans;
   std::size_t n = 0;
+  const std::size_t tokens = last_token_ + 1;
   for (std::uint64_t used = used_; used != 0; used &= used - 1) {
     const auto c = static_cast<std::size_t>(std::countr_zero(used));
-    const std::uint64_t cost = coded_cost(counts_[c]);
+    const std::uint64_t cost = coded_cost(std::span(counts_[c]).first(tokens));
     merged_[n] = counts_[c];
     spans[n++] = {c + 1, cost, 0};
   }
-  for (std::size_t s = 0; s + 1 < n; ++s) spans[s].with_next = cost_of_both(merged_[s], merged_[s + 1]);
+  for (std::size_t s = 0; s + 1 < n; ++s) spans[s].with_next = cost_of_both(merged_[s], merged_[s + 1], tokens);
   while (n > 1) {
     std::size_t best = 0;
     std::int64_t best_gain = std::numeric_limits<std::int64_t>::min();
@@ -51,15 +53,15 @@ void SymbolWriter::choose_tables() {
       }
     }
     if (best_gain < 0 && n <= kMaxTables) break;
-    add(merged_[best], merged_[best + 1]);
+    add(merged_[best], merged_[best + 1], tokens);
     spans[best] = {spans[best + 1].end, spans[best].with_next, 0};
     for (std::size_t s = best + 1; s + 1 < n; ++s) {
       spans[s] = spans[s + 1];
       merged_[s] = merged_[s + 1];
     }
     --n;
-    if (best + 1 < n) spans[best].with_next = cost_of_both(merged_[best], merged_[best + 1]);
-    if (best > 0) spans[best - 1].with_next = cost_of_both(merged_[best - 1], merged_[best]);
+    if (best + 1 < n) spans[best].with_next = cost_of_both(merged_[best], merged_[best + 1], tokens);
+    if (best > 0) spans[best - 1].with_next = cost_of_both(merged_[best - 1], merged_[best], tokens);
   }
   cost_ = 0;
   std::size_t context = 0;
@@ -74,15 +76,18 @@ void SymbolWriter::put(std::span<const std::int32_t> values, std::span<const std
   if (symbols_.size() < size_ + values.size()) symbols_.resize(2 * (size_ + values.size()));
   Symbol* const to = symbols_.data() + size_;
   std::uint64_t used = 0;
+  std::uint32_t last = last_token_;
   for (std::size_t i = 0; i < values.size(); ++i) {
     const std::uint32_t folded = fold(values[i]);
     const std::uint32_t token = token_of(folded);
+    last = std::max(last, token);
     used |= std::uint64_t{1} << contexts[i];
     if (token >= kDirectTokens) plain_.push_back(static_cast<std::uint32_t>(size_ + i));
     to[i] = {folded, static_cast<std::uint8_t>(token), contexts[i]};
     ++counts_[contexts[i]][token];
   }
   used_ |= used;
+  last_token_ = last;
   size_ += values.size();
 }
 

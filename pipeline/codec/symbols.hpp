@@ -21,6 +21,7 @@ public:
     if (token >= kDirectTokens) plain_.push_back(static_cast<std::uint32_t>(size_));
     symbols_[size_++] = {folded, static_cast<std::uint8_t>(token), static_cast<std::uint8_t>(context)};
     ++counts_[context][token];
+    last_token_ = std::max(last_token_, token);
     used_ |= std::uint64_t{1} << context;
   }
   /// Several, one after the other.
@@ -44,6 +45,7 @@ private:
   std::vector<std::uint32_t> plain_; ///< indexes of symbols that have plain bits
   std::array<TokenCounts, kMaxContexts> counts_{};
   std::uint64_t used_ = 0;                            ///< contexts that have counts
+  std::uint32_t last_token_ = 0;                      ///< the largest that was put
   std::size_t tables_chosen_ = 0;                     ///< 0: not yet
   std::uint64_t cost_ = 0;                            ///< of tables and tokens
   std::array<std::uint8_t, kMaxContexts> table_of_{}; ///< by context

@@ -4,6 +4,7 @@
 
 #include "pipeline/codec/rest_model.hpp"
 
+#include <algorithm>
 #include <gtest/gtest.h>
 #include <random>
 
@@ -55,6 +56,39 @@ TEST(Kernels, VectorUnitsChangeNothing) {
         ASSERT_LT(context[i], 48);
       }
     }
+  }
+}
+
+TEST(Kernels, AboveFindsEachValueThatIsLarger) {
+  std::mt19937_64 random(2);
+  for (std::size_t n = 0; n < 200; ++n) {
+    std::vector<double> values(n);
+    for (double& v : values) v = static_cast<double>(random() % 16) / 4.0; // many equal ones, some of them the limit itself
+    const double limit = static_cast<double>(random() % 5);
+    std::vector<std::uint32_t> indexes(n);
+    double rest = 0.25;
+    indexes.resize(kernels::above(values.data(), limit, indexes.data(), n, rest));
+    std::vector<std::uint32_t> wanted;
+    double most = 0.25;
+    for (std::uint32_t i = 0; i < n; ++i)
+      if (values[i] > limit)
+        wanted.push_back(i);
+      else
+        most = std::max(most, values[i]);
+    EXPECT_EQ(indexes, wanted);
+    EXPECT_EQ(rest, most);
+  }
+}
+
+TEST(Kernels, BoundsAreTheSmallestAndTheLargest) {
+  std::mt19937_64 random(3);
+  for (std::size_t n = 1; n < 100; ++n) {
+    const auto values = noise<std::int32_t>(random, n);
+    std::int32_t low = values.front();
+    std::int32_t high = values.front();
+    kernels::bounds(values.data(), n, low, high);
+    EXPECT_EQ(low, *std::min_element(values.begin(), values.end()));
+    EXPECT_EQ(high, *std::max_element(values.begin(), values.end()));
   }
 }
 
