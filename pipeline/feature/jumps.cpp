@@ -10,7 +10,7 @@ namespace scansion {
 namespace {
 
 constexpr double kWallSlope = 1.7320508;    // tan 60: a wall of 80 degrees with one sample on it looks no steeper than this
-constexpr std::uint32_t kMostIntervals = 6; // a longer wall shows samples enough to be a patch
+constexpr std::uint32_t kMostIntervals = 16; // more are a slope that may be smooth
 constexpr double kBeside = 2.5;             // pitches from a step's cut to the wall that it stands for
 constexpr double kAtOnce = 1.1;             // and from that of a crease
 constexpr double kHole = 1.2;               // pitches from a column to its sample
