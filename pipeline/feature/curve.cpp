@@ -9,23 +9,27 @@ namespace scansion {
 
 void Curve::reverse() {
   std::reverse(points.begin(), points.end());
-  std::swap(begins, ends);
+  std::swap(front, back);
 }
 
-void cut_stretches(const Track& track, std::size_t fewest, std::vector<Curve>& out) {
-  const std::size_t n = track.points.size();
-  for (std::size_t i = 0; i < n;) {
-    if (track.points[i].verdict == Verdict::dropped) {
+void cut_stretches(const Track& track, std::size_t count, std::size_t fewest, std::vector<Curve>& out) {
+  const auto kept = [&](std::size_t i) { return track.points[i].verdict != Verdict::dropped; };
+  const std::size_t size = track.points.size();
+  for (std::size_t i = 0; i < count;) {
+    if (!kept(i)) {
       ++i;
       continue;
     }
     std::size_t end = i;
-    while (end < n && track.points[end].verdict != Verdict::dropped) ++end;
-    if (end - i >= fewest) {
+    while (end < count && kept(end)) ++end;
+    const bool follows = i == 0 && track.goes_on, leads = end == count && end < size && kept(end);
+    if (end - i >= fewest || follows || leads) {
       Curve curve;
       curve.convex = track.convex();
-      curve.begins = i == 0 ? track.begins : FeatureEnd::death;
-      curve.ends = end == n ? track.ends : FeatureEnd::death;
+      if (follows) curve.follows = track.id;
+      if (i == 0 && track.shed == 0) curve.front.why = track.begins;
+      if (end == size) curve.back.why = track.ends;
+      if (leads) curve.back.awaits = track.id;
       for (std::size_t k = i; k < end; ++k) {
         const TrackPoint& p = track.points[k];
         curve.points.push_back(
@@ -35,6 +39,20 @@ void cut_stretches(const Track& track, std::size_t fewest, std::vector<Curve>& o
     }
     i = end;
   }
+}
+
+bool is_enough(const Curve& curve) {
+  constexpr std::size_t kStrong = 5, kFair = 8, kWeak = 14, kWeakest = 30;
+  double turning = 0.0;
+  std::size_t guided = 0;
+  for (const CurvePoint& p : curve.points) {
+    turning += std::abs(p.feature.tau);
+    guided += p.feature.guided ? 1 : 0;
+  }
+  const auto n = curve.points.size();
+  turning /= static_cast<double>(n);
+  if (2 * guided > n) return false;
+  return n >= (turning < 14.0 ? kWeakest : turning < 20.0 ? kWeak : turning < 30.0 ? kFair : kStrong);
 }
 
 double length_of(const Curve& curve) noexcept {

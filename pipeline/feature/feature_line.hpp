@@ -66,11 +66,21 @@ struct MeanDeviation {
   friend bool operator==(const MeanDeviation&, const MeanDeviation&) = default;
 };
 
-/// A feature line, or a piece of one that is very long: pieces share the id, follow each other, the last vertex of one is the
-/// first of the next, and all but the last end `open`.
+/// The first or the last vertex of a feature line.
+struct LineEnd {
+  std::uint64_t line = 0; ///< id
+  bool last = false;
+
+  friend bool operator==(const LineEnd&, const LineEnd&) = default;
+};
+
+/// A feature line, or a piece of one that is very long. Pieces share the id and stand in the order of their numbers, which may
+/// be below 0: a line may grow at both ends. The last vertex of one is the first of the next, and they meet with `open` ends.
+/// The attributes of a piece are its own; join_pieces() puts them together.
 struct FeatureLine {
   std::uint64_t id = 0;
-  std::uint32_t piece = 0;
+  std::int32_t piece = 0;
+  std::optional<LineEnd> begins_at, ends_at; ///< of another line in pieces, which goes on from here: both are one line
   FeatureType type = FeatureType::convex;
   std::uint32_t level = 0; ///< k of the coarsest S_k that holds most of its points
   bool closed_loop = false;

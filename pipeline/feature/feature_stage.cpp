@@ -14,21 +14,6 @@ namespace scansion {
 
 namespace {
 
-// A feature line is published when it has so many vertices; more when it turns less.
-bool is_enough(const Curve& curve) {
-  constexpr std::size_t kStrong = 5, kFair = 8, kWeak = 14, kWeakest = 30;
-  double turning = 0.0;
-  std::size_t guided = 0;
-  for (const CurvePoint& p : curve.points) {
-    turning += std::abs(p.feature.tau);
-    guided += p.feature.guided ? 1 : 0;
-  }
-  const auto n = curve.points.size();
-  turning /= static_cast<double>(n);
-  if (2 * guided > n) return false;
-  return n >= (turning < 14.0 ? kWeakest : turning < 20.0 ? kWeak : turning < 30.0 ? kFair : kStrong);
-}
-
 Vector3 origin_mm(const std::array<std::int64_t, 3>& origin, double resolution) {
   return {static_cast<double>(origin[0]) * resolution, static_cast<double>(origin[1]) * resolution,
           static_cast<double>(origin[2]) * resolution};
@@ -133,8 +118,7 @@ void FeatureStage::Impl::process(const RawLine& line, FeatureReport& report) {
 
 void FeatureStage::Impl::publish(FeatureReport& report) {
   const Sampling sampling = estimator.value();
-  for (const Curve& curve : curves)
-    if (is_enough(curve)) report.lines.push_back(publisher.publish(curve, *frame, sampling, alpha));
+  for (const Curve& curve : curves) report.lines.push_back(publisher.publish(curve, *frame, sampling, alpha));
   curves.clear();
   patches->advance(finder.cuts_complete(), finder.cuts(), sampling, report);
 }
@@ -159,6 +143,7 @@ void FeatureStage::add(const LineGroup& group, std::span<const double> distance,
       if (m.averages) m.pair_estimator.add(m.pairs);
       continue;
     }
+    if (m.raw.x.empty()) continue; // says nothing about the frame, and lines may stay empty for ever
     m.frame_finder.add(m.raw.x, m.raw.y, m.raw.z);
     m.waiting.push_back(m.raw);
     if (m.frame_finder.lines() >= FrameFinder::kLines) m.begin(report);

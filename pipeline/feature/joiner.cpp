@@ -1,4 +1,4 @@
-// Nearest ends first.
+// Nearest ends first; pieces of long curves, and what bounds their number.
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/feature/joiner.hpp"
 
@@ -13,6 +13,7 @@ namespace {
 constexpr double kAround = 4.0;    // coarse steps: ends this near belong together in any direction that does not fold back
 constexpr double kStraight = 10.0; // coarse steps: and this near when one continues the other
 constexpr double kSettled = 10.0;  // coarse steps: nothing new begins further behind
+constexpr std::size_t kRest = 64;  // points of a long curve that stay at an end where something may still join
 
 struct Tip {
   double s = 0.0, w = 0.0, c = 0.0;
@@ -47,11 +48,48 @@ double join_cost(const Tip& a, const Tip& b, const Sampling& sampling) {
   return turn > 0.82 && ahead > 0.82 ? gap : kNo;
 }
 
+const CurveEnd& end_of(const Curve& curve, bool back) noexcept {
+  return back ? curve.back : curve.front;
+}
+
+// The rest of a curve at one end of a line that has gone out hangs on it there.
+Curve rest_of(const Curve& curve, std::size_t first, std::size_t last) {
+  Curve rest;
+  rest.convex = curve.convex;
+  rest.order = curve.order;
+  const auto begin = curve.points.begin();
+  rest.points.assign(begin + static_cast<std::ptrdiff_t>(first), begin + static_cast<std::ptrdiff_t>(last) + 1);
+  return rest;
+}
+
+// Pieces go on from the last piece at the end of a line, or stand before the first at its beginning: turns the curve so.
+bool must_turn(const Curve& curve) noexcept {
+  if (!curve.front.seam && !curve.back.seam) return false;
+  const bool goes_on = curve.front.seam && curve.front.seam->at.last;
+  const bool stands_before = curve.back.seam && !curve.back.seam->at.last;
+  return !goes_on && !stands_before;
+}
+
 } // namespace
 
 void Joiner::take(Curve curve) {
-  curve.order = next_++;
+  if (curve.follows != 0) {
+    for (Curve& held : held_) {
+      if (held.front.awaits == curve.follows) held.reverse();
+      if (held.back.awaits != curve.follows) continue;
+      held.points.insert(held.points.end(), curve.points.begin(), curve.points.end());
+      held.back = curve.back;
+      return;
+    }
+  }
+  curve.order = next_order_++;
   held_.push_back(std::move(curve));
+}
+
+std::size_t Joiner::held_points() const noexcept {
+  std::size_t points = 0;
+  for (const Curve& curve : held_) points += curve.points.size();
+  return points;
 }
 
 void Joiner::find_pairs(double settled, std::span<const LiveEnd> live, const Sampling& sampling) {
@@ -63,7 +101,8 @@ void Joiner::find_pairs(double settled, std::span<const LiveEnd> live, const Sam
     for (const bool back : {false, true}) {
       const Curve& curve = held_[i];
       const CurvePoint& p = back ? curve.points.back() : curve.points.front();
-      if (curve.loop || p.c + kSettled * u > settled) continue;
+      const CurveEnd& end = end_of(curve, back);
+      if (curve.loop || end.seam || end.awaits != 0 || p.c + kSettled * u > settled) continue;
       const bool waits = std::any_of(live.begin(), live.end(), [&](const LiveEnd& e) {
         return e.convex == curve.convex && std::hypot(e.s - p.s, e.c - p.c) <= kStraight * u;
       });
@@ -107,7 +146,7 @@ void Joiner::join(const End& a, const End& b) {
   if (!a.back) first.reverse();
   if (b.back) second.reverse();
   first.points.insert(first.points.end(), second.points.begin(), second.points.end());
-  first.ends = second.ends;
+  first.back = second.back;
   second.points.clear();
 }
 
@@ -125,9 +164,19 @@ void Joiner::advance(double settled, std::span<const LiveEnd> live, const Sampli
     }
     std::erase_if(held_, [](const Curve& c) { return c.points.empty(); });
   }
-  // find_pairs left the ends that are settled in ends_: a curve with both of them can go, unless another one waits beside it.
+  release_finished(sampling, out);
+  release_pieces(out);
+  release_oldest(out);
+  std::erase_if(held_, [](const Curve& c) { return c.points.empty(); });
+}
+
+// A curve with both ends settled can go, unless another one waits beside it.
+void Joiner::release_finished(const Sampling& sampling, std::vector<Curve>& out) {
+  // find_pairs left the ends that are settled in ends_; seams are.
   std::vector<std::uint32_t> settled_ends(held_.size(), 0);
   for (const End& e : ends_) ++settled_ends[e.curve];
+  for (std::size_t i = 0; i < held_.size(); ++i)
+    settled_ends[i] += (held_[i].front.seam ? 1U : 0U) + (held_[i].back.seam ? 1U : 0U);
   const double u = sampling.coarse();
   std::vector<bool> done(held_.size(), false);
   for (std::size_t i = 0; i < held_.size(); ++i) {
@@ -139,9 +188,93 @@ void Joiner::advance(double settled, std::span<const LiveEnd> live, const Sampli
           if (std::hypot(p->s - q->s, p->c - q->c) <= kStraight * u) done[i] = false;
     }
   }
-  for (std::size_t i = 0; i < held_.size(); ++i)
-    if (done[i]) out.push_back(std::move(held_[i]));
-  std::erase_if(held_, [](const Curve& c) { return c.points.empty(); });
+  for (std::size_t i = 0; i < held_.size(); ++i) {
+    if (!done[i]) continue;
+    (void)release(std::move(held_[i]), out);
+    held_[i].points.clear();
+  }
+}
+
+void Joiner::release_pieces(std::vector<Curve>& out) {
+  const std::size_t count = held_.size(); // rests come behind
+  for (std::size_t i = 0; i < count; ++i) {
+    if (held_[i].points.size() <= kPiece) continue;
+    const auto stays = [&](bool back) {
+      return !end_of(held_[i], back).seam &&
+             std::none_of(ends_.begin(), ends_.end(), [&](const End& e) { return e.curve == i && e.back == back; });
+    };
+    release_middle(i, stays(false), stays(true), out);
+  }
+}
+
+void Joiner::release_oldest(std::vector<Curve>& out) {
+  for (std::size_t points = held_points(); points > kMostHeld; points = held_points()) {
+    std::size_t oldest = held_.size();
+    for (std::size_t i = 0; i < held_.size(); ++i) {
+      const Curve& curve = held_[i];
+      const std::size_t stay = (curve.front.awaits != 0 ? kRest : 0) + (curve.back.awaits != 0 ? kRest : 0);
+      if (curve.points.size() <= stay + (stay > 0 ? 1 : 0)) continue;
+      if (oldest == held_.size() || curve.order < held_[oldest].order) oldest = i;
+    }
+    if (oldest == held_.size()) return;
+    release_middle(oldest, held_[oldest].front.awaits != 0, held_[oldest].back.awaits != 0, out);
+  }
+}
+
+// All but what must stay at the ends goes out; the rests hang on it.
+void Joiner::release_middle(std::size_t curve, bool front_stays, bool back_stays, std::vector<Curve>& out) {
+  const Curve whole = std::move(held_[curve]);
+  held_[curve] = {};
+  const std::size_t n = whole.points.size();
+  const std::size_t first = front_stays ? kRest : 0, last = n - 1 - (back_stays ? kRest : 0);
+  Curve middle = rest_of(whole, first, last);
+  if (!front_stays) middle.front = whole.front;
+  if (!back_stays) middle.back = whole.back;
+  // Where the line goes on: the side that the middle itself hung on, or both sides of a new line.
+  const std::optional<Seam> seam = middle.front.seam ? middle.front.seam : middle.back.seam;
+  const auto next = [&](bool at_last) {
+    if (seam) return Seam{seam->at, seam->piece + (seam->at.last ? 1 : -1)};
+    return Seam{{next_id_ - 1, at_last}, at_last ? 1 : -1};
+  };
+  if (front_stays) middle.front.why = FeatureEnd::open;
+  if (back_stays) middle.back.why = FeatureEnd::open;
+  const bool published = release(std::move(middle), out);
+  if (front_stays) {
+    Curve rest = rest_of(whole, 0, first);
+    rest.front = whole.front;
+    rest.back.why = FeatureEnd::open;
+    if (published) rest.back.seam = next(false);
+    held_.push_back(std::move(rest));
+  }
+  if (back_stays) {
+    Curve rest = rest_of(whole, last, n - 1);
+    rest.back = whole.back;
+    rest.front.why = FeatureEnd::open;
+    if (published) rest.front.seam = next(true);
+    held_.push_back(std::move(rest));
+  }
+}
+
+// False when it has too few points to be a feature line.
+bool Joiner::release(Curve curve, std::vector<Curve>& out) {
+  if (!curve.front.seam && !curve.back.seam) {
+    if (!is_enough(curve)) return false;
+    curve.id = next_id_++;
+    out.push_back(std::move(curve));
+    return true;
+  }
+  if (must_turn(curve)) curve.reverse();
+  const bool goes_on = curve.front.seam && curve.front.seam->at.last;
+  const Seam own = goes_on ? *curve.front.seam : *curve.back.seam;
+  const std::optional<Seam> other = goes_on ? curve.back.seam : curve.front.seam;
+  curve.id = own.at.line;
+  curve.piece = own.piece;
+  if (other && other->at.line == own.at.line)
+    curve.loop = true;
+  else if (other)
+    (goes_on ? curve.ends_at : curve.begins_at) = other->at;
+  out.push_back(std::move(curve));
+  return true;
 }
 
 } // namespace scansion

@@ -1,4 +1,4 @@
-// Curves joined end to end, held back until nothing more can join them.
+// Curves joined end to end, held back until nothing more can join them; the middle of a very long one goes out before.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -16,13 +16,17 @@ struct LiveEnd {
   bool convex = true;
 };
 
-/// Thread-bound.
+/// Thread-bound. Gives published curves their ids and numbers of pieces.
 class Joiner {
 public:
+  static constexpr std::size_t kPiece = 1024;                     ///< points: a curve that is longer goes out in pieces
+  static constexpr std::size_t kMostHeld = std::size_t{1} << 18U; ///< points: above this the oldest curves no longer wait
+
   void take(Curve curve);
   /// Joins what is settled up to c = `settled` and moves finished curves to `out`. `live`: ends of tracks that still grow.
   void advance(double settled, std::span<const LiveEnd> live, const Sampling& sampling, std::vector<Curve>& out);
-  [[nodiscard]] const std::vector<Curve>& held() const noexcept { return held_; }
+  /// Points that wait.
+  [[nodiscard]] std::size_t held_points() const noexcept;
 
 private:
   struct End {
@@ -35,10 +39,15 @@ private:
   };
   void find_pairs(double settled, std::span<const LiveEnd> live, const Sampling& sampling);
   void join(const End& a, const End& b);
+  void release_finished(const Sampling& sampling, std::vector<Curve>& out);
+  void release_pieces(std::vector<Curve>& out);
+  void release_oldest(std::vector<Curve>& out);
+  void release_middle(std::size_t curve, bool front_stays, bool back_stays, std::vector<Curve>& out);
+  [[nodiscard]] bool release(Curve curve, std::vector<Curve>& out);
 
   std::vector<Curve> held_;
-  std::uint64_t next_ = 0;
-  std::vector<End> ends_;
+  std::uint64_t next_order_ = 0, next_id_ = 1;
+  std::vector<End> ends_; ///< that nothing new can reach
   std::vector<Pair> pairs_;
 };
 

@@ -34,7 +34,9 @@ public:
   [[nodiscard]] double cuts_complete() const noexcept { return cuts_complete_; }
 
 private:
-  void drop_hidden_feet(Track& track, const Sampling& sampling) const;
+  void drop_hidden_feet(Track& track, std::size_t first, std::size_t last, const Sampling& sampling) const;
+  void smooth_ended(std::size_t first);
+  void shed(Track& track, const Sampling& sampling);
   void settle(double settled, const Sampling& sampling, std::vector<Curve>& out);
 
   Linking linking_;
@@ -53,6 +55,7 @@ private:
   std::vector<double> rows_; ///< c of the last rows that lie in the columns
   std::vector<Track*> deciding_;
   std::vector<LiveEnd> live_ends_;
+  std::vector<Curve> stretches_;
   std::uint32_t since_settled_ = 0;
 };
 

@@ -38,17 +38,23 @@ FeatureType common_type(const Curve& curve) {
 
 FeatureLine Publisher::publish(const Curve& curve, const Frame& frame, const Sampling& sampling, const AlphaSet& alpha) {
   FeatureLine line;
-  line.id = next_id_++;
+  line.id = curve.id;
+  line.piece = curve.piece;
+  line.begins_at = curve.begins_at;
+  line.ends_at = curve.ends_at;
   line.type = common_type(curve);
   line.closed_loop = curve.loop;
-  line.begins = curve.begins;
-  line.ends = curve.ends;
+  line.begins = curve.front.why;
+  line.ends = curve.back.why;
   Spread delta, beta, tau, width;
   double sharpness = 0.0;
   std::size_t guided = 0;
   std::vector<std::uint64_t> rows;
   std::vector<double> widths;
-  for (const CurvePoint& p : curve.points) {
+  // The point at a seam is told of in the piece that went out before.
+  const std::size_t first = curve.front.seam ? 1 : 0, last = curve.points.size() - (curve.back.seam ? 1 : 0);
+  for (std::size_t k = 0; k < curve.points.size(); ++k) {
+    const CurvePoint& p = curve.points[k];
     FeatureVertex v;
     v.position = frame.position(p.s, p.w, p.c);
     for (std::size_t i = 0; i < 3; ++i) v.position[i] += origin_[i];
@@ -56,6 +62,7 @@ FeatureLine Publisher::publish(const Curve& curve, const Frame& frame, const Sam
     v.index = p.feature.sample;
     v.guided = p.feature.guided;
     line.vertices.push_back(v);
+    if (k < first || k >= last) continue;
     delta.add(p.feature.inner_angle());
     beta.add(p.feature.orientation());
     tau.add(p.feature.tau);
@@ -66,7 +73,7 @@ FeatureLine Publisher::publish(const Curve& curve, const Frame& frame, const Sam
     rows.push_back(p.feature.line);
     ++line.elements[static_cast<std::size_t>(p.feature.element)];
   }
-  const auto n = static_cast<double>(curve.points.size());
+  const auto n = static_cast<double>(rows.size());
   std::sort(rows.begin(), rows.end());
   line.scan_lines = static_cast<std::uint64_t>(std::unique(rows.begin(), rows.end()) - rows.begin());
   const auto middle = widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 2);

@@ -17,7 +17,6 @@ public:
 
 private:
   Vector3 origin_;
-  std::uint64_t next_id_ = 1;
 };
 
 } // namespace scansion

@@ -55,11 +55,13 @@ void SamplingEstimator::add(const Profile& profile) {
 Sampling SamplingEstimator::value() const noexcept {
   constexpr double kFloor = 0.001; // mm
   constexpr double kCount = 0.3;   // of a count: sigma of rounding
+  // A pitch: lines of a table that creeps or shakes at rest add nothing, and whoever looks back some steps would hold them all.
+  constexpr double kMostLines = 32.0;
   const double estimate = noise_.empty() ? 0.0 : noise_.value() * settings_.noise_correlation;
   Sampling out;
   out.noise = std::max({settings_.noise_mm.value_or(estimate), kFloor, kCount * resolution_});
   out.pitch = pitch_.empty() ? 1.0 : pitch_.value();
-  out.spacing = spacing_.empty() ? out.pitch : spacing_.value();
+  out.spacing = spacing_.empty() ? out.pitch : std::max(spacing_.value(), out.pitch / kMostLines);
   return out;
 }
 

@@ -48,10 +48,14 @@ struct Track {
   std::uint32_t near_lines = 0; ///< ... for so many lines in a row
   bool confirmed = false;
   bool growing = false; ///< lengthwise: its last point may get a successor
+  std::size_t shed = 0; ///< points that stood before these and went ahead as curves
+  bool goes_on = false; ///< the last of them was kept: the stretch at the front goes on from it
 
   [[nodiscard]] bool convex() const noexcept { return points.front().feature.convex(); }
   [[nodiscard]] double s_of(const TrackPoint& p) const noexcept { return pass == Pass::lengthwise ? p.smooth_q : p.r; }
   [[nodiscard]] double c_of(const TrackPoint& p) const noexcept { return pass == Pass::lengthwise ? p.r : p.smooth_q; }
+  /// Points so far.
+  [[nodiscard]] std::size_t size() const noexcept { return shed + points.size(); }
   /// Degrees between the track at point i and the scan lines, 0 to 90.
   [[nodiscard]] double angle_to_lines(std::size_t i) const noexcept;
   void cut_guided_end();

@@ -115,8 +115,8 @@ void Tracker::end(Track& track, FeatureEnd reason, std::vector<Track>& ended) {
   track.cut_guided_end();
   track.ends = reason;
   track.growing = false;
-  if (!track.confirmed) track.confirmed = is_confirmed(track);
-  if (track.confirmed && is_confirmed(track)) ended.push_back(std::move(track));
+  track.confirmed = track.shed > 0 || is_confirmed(track);
+  if (track.confirmed) ended.push_back(std::move(track));
   track.points.clear();
 }
 
@@ -177,7 +177,7 @@ void Tracker::merge(std::int64_t step, const Sampling& sampling, std::vector<Tra
       if (b.points.empty()) continue;
       if (b.points.back().q - a.points.back().q > kBeside * sampling.pitch) break;
       if (a.convex() != b.convex()) continue;
-      const bool a_longer = a.points.size() != b.points.size() ? a.points.size() > b.points.size() : a.id < b.id;
+      const bool a_longer = a.size() != b.size() ? a.size() > b.size() : a.id < b.id;
       Track& shorter = a_longer ? b : a;
       const Track& longer = a_longer ? a : b;
       shorter.near_lines = shorter.near_id == longer.id ? shorter.near_lines + 1 : 1;

@@ -45,7 +45,7 @@ bool Union::is_covered(const Band& band, const Near& place, double reach_s, doub
     if (it->track == place.track || std::abs(it->c - place.c) > reach_c || it->point->verdict == Verdict::dropped) continue;
     if (it->track->convex() != place.track->convex()) continue;
     if (!by_longer) return true;
-    const std::size_t other = it->track->points.size(), own = place.track->points.size();
+    const std::size_t other = it->track->size(), own = place.track->size();
     if (other > own || (other == own && it->track->id < place.track->id)) return true;
   }
   return false;

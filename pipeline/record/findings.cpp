@@ -1,6 +1,8 @@
-// Pieces to whole feature lines, merges to patches.
+// Reports to feature lines and patches.
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/record/findings.hpp"
+
+#include "pipeline/feature/join_pieces.hpp"
 
 #include <algorithm>
 #include <tuple>
@@ -29,41 +31,11 @@ private:
   std::unordered_map<std::uint32_t, std::uint32_t> into_;
 };
 
-/// `later` goes on where `line` ends open; its attributes are those of the whole line so far.
-void join(FeatureLine& line, FeatureLine&& later) {
-  std::vector<FeatureVertex> vertices = std::move(line.vertices);
-  const bool shared =
-      !vertices.empty() && !later.vertices.empty() && vertices.back().position == later.vertices.front().position;
-  vertices.insert(vertices.end(), later.vertices.begin() + (shared ? 1 : 0), later.vertices.end());
-  const double length = line.length_mm + later.length_mm;
-  const std::uint64_t scan_lines = line.scan_lines + later.scan_lines - (shared ? 1 : 0);
-  const FeatureEnd begins = line.begins;
-  for (std::size_t k = 0; k < kShapeElements; ++k) later.elements[k] += line.elements[k];
-  for (const std::uint64_t id : line.junctions) {
-    if (std::ranges::find(later.junctions, id) == later.junctions.end()) later.junctions.push_back(id);
-  }
-  if (!later.partner) later.partner = line.partner;
-  line = std::move(later);
-  line.vertices = std::move(vertices);
-  line.length_mm = length;
-  line.scan_lines = scan_lines;
-  line.begins = begins;
-  line.piece = 0;
-}
-
 } // namespace
 
 Findings assemble(FeatureReport report) {
   Findings found;
-  std::ranges::stable_sort(report.lines, [](const FeatureLine& a, const FeatureLine& b) {
-    return std::tuple(a.id, a.piece) < std::tuple(b.id, b.piece);
-  });
-  for (FeatureLine& line : report.lines) {
-    if (!found.lines.empty() && found.lines.back().id == line.id)
-      join(found.lines.back(), std::move(line));
-    else
-      found.lines.push_back(std::move(line));
-  }
+  found.lines = join_pieces(std::move(report.lines));
 
   Merges merges(report.merges);
   for (PatchRun& run : report.runs) run.patch = merges.root(run.patch);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 namespace scansion {
 namespace {
@@ -27,10 +28,12 @@ Kind kind(const Json& word, std::size_t count) {
 
 template <class T>
 T whole(const Json& value) {
-  if (!value.is_number_unsigned()) throw Rejected{"a number is not whole"};
-  const auto number = value.get<std::uint64_t>();
-  if (number > std::numeric_limits<T>::max()) throw Rejected{"a number is too large"};
-  return static_cast<T>(number);
+  if (!value.is_number_integer()) throw Rejected{"a number is not whole"};
+  // Json keeps what is not negative unsigned, and the rest signed.
+  const bool fits =
+      value.is_number_unsigned() ? std::in_range<T>(value.get<std::uint64_t>()) : std::in_range<T>(value.get<std::int64_t>());
+  if (!fits) throw Rejected{"a number is out of range"};
+  return value.get<T>();
 }
 
 double real(const Json& value) {
@@ -57,6 +60,15 @@ MeanDeviation spread(const Json& list) {
   return {real(list[0]), real(list[1])};
 }
 
+std::optional<LineEnd> line_end(const Json& j, const char* key) {
+  const auto found = j.find(key);
+  if (found == j.end()) return std::nullopt;
+  if (!found->is_array() || found->size() != 2) throw Rejected{"an end of a line is not an id and a word"};
+  const auto& word = (*found)[1].get_ref<const std::string&>();
+  if (word != "first" && word != "last") throw Rejected{"an end of a line is neither first nor last"};
+  return LineEnd{whole<std::uint64_t>((*found)[0]), word == "last"};
+}
+
 FeatureVertex vertex(const Json& row) {
   FeatureVertex v;
   v.position = triple(row);
@@ -70,7 +82,9 @@ FeatureVertex vertex(const Json& row) {
 FeatureLine feature_line(const Json& j) {
   FeatureLine line;
   line.id = whole<std::uint64_t>(j.at("id"));
-  line.piece = whole<std::uint32_t>(j.at("piece"));
+  line.piece = whole<std::int32_t>(j.at("piece"));
+  line.begins_at = line_end(j, "begins_at");
+  line.ends_at = line_end(j, "ends_at");
   line.type = kind<FeatureType>(j.at("type"), kFeatureTypes);
   line.level = whole<std::uint32_t>(j.at("level"));
   line.closed_loop = j.at("closed_loop").get<bool>();

@@ -74,6 +74,14 @@ void put_elements(std::string& out, const std::array<std::uint32_t, kShapeElemen
   out += '}';
 }
 
+void put_line_end(std::string& out, std::string_view key, const std::optional<LineEnd>& end) {
+  if (!end) return;
+  put_key(out, key);
+  out += '[';
+  put(out, end->line);
+  out += end->last ? ",\"last\"]" : ",\"first\"]";
+}
+
 void put_vertex(std::string& out, const FeatureVertex& vertex, Rounding rounding) {
   out += '[';
   for (const double value : vertex.position) {
@@ -212,7 +220,9 @@ void append_feature_line(std::string& out, const FeatureLine& line, Rounding rou
   put_key(out, "id");
   put(out, line.id);
   put_key(out, "piece");
-  put(out, line.piece);
+  out += std::to_string(line.piece);
+  put_line_end(out, "begins_at", line.begins_at);
+  put_line_end(out, "ends_at", line.ends_at);
   put_word(out, "type", name(line.type));
   put_key(out, "level");
   put(out, line.level);

@@ -3,6 +3,7 @@
 #include "tests/bench/feature_cases.hpp"
 
 #include "pipeline/feature/feature_stage.hpp"
+#include "pipeline/feature/join_pieces.hpp"
 #include "pipeline/pipeline.hpp"
 #include "sim/scene/catalog.hpp"
 #include "sim/truth/scan_truth.hpp"
@@ -56,7 +57,7 @@ public:
 
   [[nodiscard]] score::Found found() const {
     score::Found found;
-    for (const FeatureLine& line : report_.lines) {
+    for (const FeatureLine& line : join_pieces(report_.lines)) {
       auto& entry = found.lines.emplace_back();
       entry.type = line.type;
       for (const FeatureVertex& vertex : line.vertices) entry.points.push_back(vertex.position);

@@ -8,7 +8,7 @@
 namespace scansion::synthetic {
 namespace {
 
-FeatureLine line_of(std::uint64_t id, std::uint32_t piece, double x0, double x1) {
+FeatureLine line_of(std::uint64_t id, std::int32_t piece, double x0, double x1) {
   FeatureLine line;
   line.id = id;
   line.piece = piece;
@@ -126,7 +126,7 @@ TEST(Findings, PiecesAreJoinedAndMergesFollowed) {
   ASSERT_EQ(found.lines.size(), 2U);
   EXPECT_EQ(found.lines[0].vertices.size(), 3U);
   EXPECT_EQ(found.lines[0].length_mm, 4.0);
-  EXPECT_EQ(found.lines[0].scan_lines, 3U);
+  EXPECT_EQ(found.lines[0].scan_lines, 4U);
   EXPECT_EQ(found.lines[0].begins, FeatureEnd::border);
   EXPECT_EQ(found.lines[0].ends, FeatureEnd::junction);
   EXPECT_EQ(found.lines[0].elements[16], 18U);
