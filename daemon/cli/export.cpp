@@ -129,6 +129,15 @@ Result<void> has_features(const Options& o, const RecordingReader& reader) {
               ": was made without feature lines and patches; compress the scan again with --features on");
 }
 
+// Whether a line has a place on one of the scan lines asked for: between two vertices it need not have any of its own.
+bool crosses(const FeatureLine& line, const Selection& s) {
+  for (std::size_t k = 0; k < line.vertices.size(); ++k) {
+    const auto [low, high] = std::minmax(line.vertices[k].line, line.vertices[k == 0 ? 0 : k - 1].line);
+    if (low < s.end_line && high >= s.first_line) return true;
+  }
+  return false;
+}
+
 Result<void> write_features(const Options& o, RecordingReader& reader, const Selection& s, const std::string& format_name) {
   if (s.kind != Selection::Kind::all)
     return fail(Errc::usage, "feature lines do not depend on a selection of points; leave it out");
@@ -136,9 +145,7 @@ Result<void> write_features(const Options& o, RecordingReader& reader, const Sel
   SCANSION_TRY(format, parse_feature_format(format_name));
   SCANSION_TRY(unit, unit_of(o, reader));
   SCANSION_TRY(found, read_findings(reader, FindingsPart::lines));
-  std::erase_if(found.lines, [&](const FeatureLine& line) {
-    return std::ranges::none_of(line.vertices, [&](const FeatureVertex& vertex) { return s.has_line(vertex.line); });
-  });
+  std::erase_if(found.lines, [&](const FeatureLine& line) { return !crosses(line, s); });
   SCANSION_TRY(file, OutputFile::create(o.output, o.force, false));
   SCANSION_TRY(write_feature_lines(found.lines, format, unit, file));
   SCANSION_TRY(file.commit());

@@ -26,7 +26,7 @@ std::string text_of(const Json& message) {
   const auto feature = message.find("feature");
   std::string text = shown(message.value("device", Json("-")));
   if (feature != message.end() && feature->is_object()) {
-    for (const char* key : {"type", "id", "level", "length", "begins", "ends"}) {
+    for (const char* key : {"type", "id", "piece", "level", "length", "begins", "ends"}) {
       if (const auto value = feature->find(key); value != feature->end()) text += std::string("  ") + key + ' ' + shown(*value);
     }
     return text;

@@ -12,8 +12,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+/// A path may be no text: what is not becomes U+FFFD.
+std::string dumped(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
 void tell(TailHub& hub, TailTopic topic, const Json& json) {
-  hub.publish(topic, json.dump(-1, ' ', false, Json::error_handler_t::replace));
+  hub.publish(topic, dumped(json));
 }
 
 class TellingSink final : public RecordingSink {
@@ -40,7 +45,10 @@ public:
   Result<void> append(FeatureReport& report, std::uint64_t log_time_ns) override {
     if (hub_.wanted(TailTopic::features)) {
       for (const FeatureLine& line : report.lines) {
-        std::string text = "{\"device\":" + Json(device_).dump() + ",\"feature\":";
+        // Ids count anew in each recording.
+        std::string text = dumped({{"device", device_}, {"recording", path_}});
+        text.back() = ',';
+        text += "\"feature\":";
         append_feature_line(text, line);
         hub_.publish(TailTopic::features, text + '}');
       }

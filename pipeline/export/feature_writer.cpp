@@ -87,7 +87,7 @@ public:
         for (double& x : v.position) x = numbers_.value(x);
       }
       text = &line == &lines_.front() ? "\n" : ",\n";
-      append_feature_line(text, scaled, Rounding::none);
+      append_feature_line(text, scaled);
       SCANSION_TRY(file_.append(text));
     }
     return file_.append("]}\n");

@@ -55,6 +55,21 @@ bool is_enough(const Curve& curve) {
   return n >= (turning < 14.0 ? kWeakest : turning < 20.0 ? kWeak : turning < 30.0 ? kFair : kStrong);
 }
 
+Tip tip_of(const Curve& curve, bool back) {
+  constexpr std::size_t kReach = 5;
+  const std::size_t n = curve.points.size();
+  const CurvePoint& p = back ? curve.points[n - 1] : curve.points[0];
+  const std::size_t inner = std::min(n - 1, kReach);
+  const CurvePoint& q = back ? curve.points[n - 1 - inner] : curve.points[inner];
+  Tip t{p.s, p.w, p.c, p.s - q.s, p.c - q.c};
+  const double length = std::hypot(t.ds, t.dc);
+  if (length > 0.0) {
+    t.ds /= length;
+    t.dc /= length;
+  }
+  return t;
+}
+
 double length_of(const Curve& curve) noexcept {
   double length = 0.0;
   for (std::size_t i = 1; i < curve.points.size(); ++i) {

@@ -40,6 +40,9 @@ struct Curve {
   std::uint64_t id = 0;
   std::int32_t piece = 0;
   std::optional<LineEnd> begins_at, ends_at;
+  std::optional<std::uint64_t> partner;
+  std::vector<std::uint64_t> junctions;
+  std::vector<LineEnd> met_by;
 
   void reverse();
 };
@@ -50,6 +53,13 @@ void cut_stretches(const Track& track, std::size_t count, std::size_t fewest, st
 
 /// Whether a feature line has points enough to be published; more are wanted when it turns less.
 [[nodiscard]] bool is_enough(const Curve& curve);
+
+/// The end of a curve and which way it points.
+struct Tip {
+  double s = 0.0, w = 0.0, c = 0.0;
+  double ds = 0.0, dc = 0.0; ///< outwards, unit length
+};
+[[nodiscard]] Tip tip_of(const Curve& curve, bool back);
 
 /// Length in space, mm.
 [[nodiscard]] double length_of(const Curve& curve) noexcept;

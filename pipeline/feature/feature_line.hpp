@@ -43,7 +43,6 @@ struct FeatureVertex {
   std::array<double, 3> position{}; ///< mm
   std::uint64_t line = 0;           ///< index of the scan line it was found on
   std::uint32_t index = 0;          ///< of the nearest sample of that line, counted over all its runs
-  bool guided = false;              ///< measured where the line was expected, not found by itself
 
   friend bool operator==(const FeatureVertex&, const FeatureVertex&) = default;
 };
@@ -85,20 +84,24 @@ struct FeatureLine {
   std::uint32_t level = 0; ///< k of the coarsest S_k that holds most of its points
   bool closed_loop = false;
   FeatureEnd begins = FeatureEnd::death, ends = FeatureEnd::death;
-  std::vector<FeatureVertex> vertices;
+  std::vector<FeatureVertex>
+      vertices;             ///< those that matter: what was found between them lies within a tenth of u (see FEATURES.md)
+  std::uint32_t per_mm = 1; ///< positions are whole multiples of 1 / per_mm mm
 
   double length_mm = 0.0;
   std::uint64_t scan_lines = 0;                         ///< on which it was seen
   MeanDeviation inner_angle, orientation, turning;      ///< delta, beta, tau in degrees
   MeanDeviation width;                                  ///< log2(D / finest tolerance of the feature stage)
   double sharpness = 0.0;                               ///< mean Lambda: above 0 a corner, below an arc
-  double guided_share = 0.0;                            ///< of its vertices
+  double guided_share = 0.0;                            ///< of its points: measured where the line was expected
   double persistence = 0.0;                             ///< length in units of five sampling steps
   double across_mm = 0.0;                               ///< uncertainty of a step between two scan lines; 0: none stated
   std::array<std::uint32_t, kShapeElements> elements{}; ///< how often each shape was seen
   std::optional<std::uint64_t> partner;                 ///< the other edge of a step
-  std::vector<std::uint64_t> junctions;                 ///< feature lines it meets
+  std::vector<std::uint64_t> junctions;                 ///< feature lines that it runs into, or that run into it
+  std::vector<LineEnd> met_by; ///< ends of lines published before that run into this one; join_pieces() makes junctions of them
 
+  [[nodiscard]] bool is_open() const noexcept { return begins == FeatureEnd::open || ends == FeatureEnd::open; }
   friend bool operator==(const FeatureLine&, const FeatureLine&) = default;
 };
 

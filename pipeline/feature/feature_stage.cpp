@@ -3,6 +3,7 @@
 #include "pipeline/feature/feature_stage.hpp"
 
 #include "pipeline/feature/averaging.hpp"
+#include "pipeline/feature/junctions.hpp"
 #include "pipeline/feature/line_finder.hpp"
 #include "pipeline/feature/patch_grower.hpp"
 #include "pipeline/feature/publisher.hpp"
@@ -44,6 +45,7 @@ struct FeatureStage::Impl {
   SamplingEstimator estimator, pair_estimator; ///< noise that hangs together falls less in pairs than it should
   ProfileRanker ranker;
   LineFinder finder;
+  Junctions junctions;
   Publisher publisher;
   Vector3 origin;
   std::optional<PatchGrower> patches;
@@ -103,6 +105,7 @@ void FeatureStage::Impl::process(const RawLine& line, FeatureReport& report) {
     patches->finish(sampling, report);
     patches->restart();
     finder.cuts().restart();
+    junctions.restart();
   } else if (last_c && profile.c - *last_c < kSamePlace * sampling.spacing) {
     ++refused;
     return;
@@ -112,13 +115,17 @@ void FeatureStage::Impl::process(const RawLine& line, FeatureReport& report) {
   if (averages) average_pairs(profile, sampling, ranker, pairs);
   finder.add(averages ? pairs : profile, looked_at(), curves);
   patches->hold(profile);
+  junctions.add_row(profile);
   // By lines and not by groups: what is found must not depend on how lines are grouped.
   if (finder.has_settled()) publish(report);
 }
 
 void FeatureStage::Impl::publish(FeatureReport& report) {
   const Sampling sampling = estimator.value();
-  for (const Curve& curve : curves) report.lines.push_back(publisher.publish(curve, *frame, sampling, alpha));
+  for (Curve& curve : curves) {
+    junctions.meet(curve, sampling);
+    report.lines.push_back(publisher.publish(curve, *frame, sampling, alpha));
+  }
   curves.clear();
   patches->advance(finder.cuts_complete(), finder.cuts(), sampling, report);
 }

@@ -25,7 +25,9 @@ MeanDeviation together(const MeanDeviation& a, double n, const MeanDeviation& b,
   MeanDeviation out;
   out.mean = weighted(a.mean, n, b.mean, m);
   if (n + m < 2.0) return out;
-  const auto squares = [](const MeanDeviation& x, double count) { return std::max(0.0, count - 1.0) * x.deviation * x.deviation; };
+  const auto squares = [](const MeanDeviation& x, double count) {
+    return std::max(0.0, count - 1.0) * x.deviation * x.deviation;
+  };
   const double apart = a.mean - b.mean;
   out.deviation = std::sqrt((squares(a, n) + squares(b, m) + n * m / (n + m) * apart * apart) / (n + m - 1.0));
   return out;
@@ -55,8 +57,8 @@ void append(FeatureLine& line, FeatureLine&& later) {
   line.scan_lines += later.scan_lines;
   line.across_mm = std::max(line.across_mm, later.across_mm);
   if (!line.partner) line.partner = later.partner;
-  for (const std::uint64_t id : later.junctions)
-    if (std::find(line.junctions.begin(), line.junctions.end(), id) == line.junctions.end()) line.junctions.push_back(id);
+  line.junctions.insert(line.junctions.end(), later.junctions.begin(), later.junctions.end());
+  line.met_by.insert(line.met_by.end(), later.met_by.begin(), later.met_by.end());
   line.closed_loop = line.closed_loop || later.closed_loop;
   line.ends = later.ends;
   line.ends_at = later.ends_at;
@@ -66,12 +68,42 @@ void append(FeatureLine& line, FeatureLine&& later) {
   line.vertices.insert(line.vertices.end(), later.vertices.begin() + (shared ? 1 : 0), later.vertices.end());
 }
 
+/// Lines by id.
+using Places = std::unordered_map<std::uint64_t, std::size_t>;
+Places places_of(const std::vector<FeatureLine>& lines) {
+  Places places;
+  for (std::size_t i = 0; i < lines.size(); ++i) places.emplace(lines[i].id, i);
+  return places;
+}
+
+/// Of two lines that meet only the later one says so: here both do.
+void tell_both(std::vector<FeatureLine>& lines) {
+  const Places places = places_of(lines);
+  for (FeatureLine& line : lines) {
+    for (const LineEnd& end : line.met_by) {
+      const auto found = places.find(end.line);
+      if (found == places.end()) continue;
+      FeatureEnd& why = end.last ? lines[found->second].ends : lines[found->second].begins;
+      if (why == FeatureEnd::death || why == FeatureEnd::border) why = FeatureEnd::junction;
+      line.junctions.push_back(end.line);
+    }
+    line.met_by.clear();
+    if (!line.partner) continue;
+    const auto found = places.find(*line.partner);
+    if (found != places.end() && !lines[found->second].partner) lines[found->second].partner = line.id;
+  }
+  const std::size_t size = lines.size();
+  std::vector<std::pair<std::size_t, std::uint64_t>> others;
+  for (std::size_t i = 0; i < size; ++i)
+    for (const std::uint64_t id : lines[i].junctions)
+      if (const auto found = places.find(id); found != places.end()) others.emplace_back(found->second, lines[i].id);
+  for (const auto& [i, id] : others) lines[i].junctions.push_back(id);
+}
+
 /// Which ends of lines meet. An end is 2 i for the first vertex of line i, 2 i + 1 for its last.
 class Links {
 public:
-  explicit Links(const std::vector<FeatureLine>& lines) : other_(2 * lines.size(), kNone) {
-    std::unordered_map<std::uint64_t, std::size_t> place;
-    for (std::size_t i = 0; i < lines.size(); ++i) place.emplace(lines[i].id, i);
+  Links(const std::vector<FeatureLine>& lines, const Places& place) : other_(2 * lines.size(), kNone) {
     for (std::size_t i = 0; i < lines.size(); ++i) {
       for (const bool last : {false, true}) {
         const auto& at = last ? lines[i].ends_at : lines[i].begins_at;
@@ -95,7 +127,9 @@ private:
 
 /// Follows lines from end to end.
 std::vector<FeatureLine> follow(std::vector<FeatureLine> lines) {
-  const Links links(lines);
+  const Places places = places_of(lines);
+  const Links links(lines, places);
+  std::vector<std::uint64_t> name(lines.size()); // that each goes by in the end
   std::vector<bool> used(lines.size(), false);
   std::vector<FeatureLine> out;
   for (std::size_t i = 0; i < lines.size(); ++i) {
@@ -112,18 +146,30 @@ std::vector<FeatureLine> follow(std::vector<FeatureLine> lines) {
     for (std::size_t at = enter; at != Links::kNone && !used[at / 2]; at = links.other(at ^ 1U)) {
       FeatureLine& next = lines[at / 2];
       used[at / 2] = true;
+      name[at / 2] = lines[i].id;
       if (at % 2 == 1) turn(next);
       if (at == enter)
         whole = std::move(next);
       else
         append(whole, std::move(next));
     }
-    whole.id = lines[i].id;
+    whole.id = name[i];
     whole.piece = 0;
     whole.begins_at.reset();
     whole.ends_at.reset();
     whole.closed_loop = whole.closed_loop || ring;
     out.push_back(std::move(whole));
+  }
+  const auto named = [&](std::uint64_t id) {
+    const auto found = places.find(id);
+    return found == places.end() ? id : name[found->second];
+  };
+  for (FeatureLine& line : out) {
+    if (line.partner) line.partner = named(*line.partner);
+    for (std::uint64_t& id : line.junctions) id = named(id);
+    std::sort(line.junctions.begin(), line.junctions.end());
+    line.junctions.erase(std::unique(line.junctions.begin(), line.junctions.end()), line.junctions.end());
+    std::erase(line.junctions, line.id);
   }
   return out;
 }
@@ -141,6 +187,7 @@ std::vector<FeatureLine> join_pieces(std::vector<FeatureLine> pieces) {
     else
       lines.push_back(std::move(piece));
   }
+  tell_both(lines);
   return follow(std::move(lines));
 }
 

@@ -15,26 +15,6 @@ constexpr double kStraight = 10.0; // coarse steps: and this near when one conti
 constexpr double kSettled = 10.0;  // coarse steps: nothing new begins further behind
 constexpr std::size_t kRest = 64;  // points of a long curve that stay at an end where something may still join
 
-struct Tip {
-  double s = 0.0, w = 0.0, c = 0.0;
-  double ds = 0.0, dc = 0.0; // outwards, unit length
-};
-
-Tip tip(const Curve& curve, bool back) {
-  constexpr std::size_t kReach = 5;
-  const std::size_t n = curve.points.size();
-  const CurvePoint& p = back ? curve.points[n - 1] : curve.points[0];
-  const std::size_t inner = std::min(n - 1, kReach);
-  const CurvePoint& q = back ? curve.points[n - 1 - inner] : curve.points[inner];
-  Tip t{p.s, p.w, p.c, p.s - q.s, p.c - q.c};
-  const double length = std::hypot(t.ds, t.dc);
-  if (length > 0.0) {
-    t.ds /= length;
-    t.dc /= length;
-  }
-  return t;
-}
-
 // The cost of joining two tips in mm; negative: they do not belong together.
 double join_cost(const Tip& a, const Tip& b, const Sampling& sampling) {
   constexpr double kNo = -1.0;
@@ -108,7 +88,7 @@ void Joiner::find_pairs(double settled, std::span<const LiveEnd> live, const Sam
       });
       if (waits) continue;
       ends_.push_back({i, back});
-      tips.push_back(tip(curve, back));
+      tips.push_back(tip_of(curve, back));
     }
   }
   std::vector<std::size_t> order(ends_.size());

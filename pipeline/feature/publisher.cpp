@@ -11,6 +11,17 @@ namespace scansion {
 
 namespace {
 
+constexpr double kTolerance = 0.1; // coarse steps: how far a line may pass from its points; they are found to about 0.3
+
+double length_of(const std::vector<FeatureVertex>& vertices) noexcept {
+  double length = 0.0;
+  for (std::size_t i = 1; i < vertices.size(); ++i) {
+    const auto &a = vertices[i - 1].position, &b = vertices[i].position;
+    length += std::hypot(b[0] - a[0], b[1] - a[1], b[2] - a[2]);
+  }
+  return length;
+}
+
 class Spread {
 public:
   void add(double value) noexcept {
@@ -46,6 +57,9 @@ FeatureLine Publisher::publish(const Curve& curve, const Frame& frame, const Sam
   line.closed_loop = curve.loop;
   line.begins = curve.front.why;
   line.ends = curve.back.why;
+  line.partner = curve.partner;
+  line.junctions = curve.junctions;
+  line.met_by = curve.met_by;
   Spread delta, beta, tau, width;
   double sharpness = 0.0;
   std::size_t guided = 0;
@@ -60,7 +74,6 @@ FeatureLine Publisher::publish(const Curve& curve, const Frame& frame, const Sam
     for (std::size_t i = 0; i < 3; ++i) v.position[i] += origin_[i];
     v.line = p.feature.line;
     v.index = p.feature.sample;
-    v.guided = p.feature.guided;
     line.vertices.push_back(v);
     if (k < first || k >= last) continue;
     delta.add(p.feature.inner_angle());
@@ -79,7 +92,8 @@ FeatureLine Publisher::publish(const Curve& curve, const Frame& frame, const Sam
   const auto middle = widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 2);
   std::nth_element(widths.begin(), middle, widths.end());
   line.level = alpha.width(least_distance(sampling.noise) * std::exp2(*middle));
-  line.length_mm = length_of(curve);
+  line.per_mm = thinner_.thin(line.vertices, kTolerance * sampling.coarse());
+  line.length_mm = length_of(line.vertices);
   line.inner_angle = delta.value();
   line.orientation = beta.value();
   line.turning = tau.value();

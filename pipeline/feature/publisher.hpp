@@ -4,6 +4,7 @@
 
 #include "pipeline/feature/curve.hpp"
 #include "pipeline/feature/sampling.hpp"
+#include "pipeline/feature/thinning.hpp"
 #include "pipeline/model/alpha_set.hpp"
 
 namespace scansion {
@@ -17,6 +18,7 @@ public:
 
 private:
   Vector3 origin_;
+  Thinner thinner_;
 };
 
 } // namespace scansion

@@ -24,15 +24,16 @@ constexpr std::string_view kGapJsonSchema =
     R"("reason":{"type":"string"}}})";
 
 constexpr std::string_view kFeaturesJsonSchema =
-    R"({"title":"scansion.Features","type":"object","properties":{"group":{"type":"integer","minimum":0},)"
-    R"("lines":{"type":"array","items":{"type":"object","properties":{"id":{"type":"integer"},"piece":{"type":"integer"},)"
-    R"("type":{"enum":["convex","concave","step-top","step-bottom","ridge","valley"]},"vertices":{"type":"array",)"
-    R"("items":{"type":"array","items":{"type":"number"},"minItems":5,"maxItems":6}}},)"
-    R"("required":["id","piece","type","vertices"]}}},"required":["group","lines"]})";
+    R"({"title":"scansion.Features","type":"object","properties":{"group":{"type":"integer","minimum":0},"lines":{"type)"
+    R"(":"array","items":{"type":"object","properties":{"id":{"type":"integer"},"piece":{"type":"integer","default":0},)"
+    R"("type":{"enum":["convex","concave","step-top","step-bottom","ridge","valley"]},"per_mm":{"type":"integer","minim)"
+    R"(um":1,"description":"counts of x, y, z a mm"},"vertices":{"type":"array","items":{"type":"integer"},"description)"
+    R"(":"rows of x, y, z in counts, scan line, sample; each less the row before"}},"required":["id","type","per_mm","v)"
+    R"(ertices"]}}},"required":["group","lines"]})";
 
 constexpr std::string_view kPatchesJsonSchema =
     R"({"title":"scansion.Patches","type":"object","properties":{"group":{"type":"integer","minimum":0},)"
-    R"("runs":{"type":"array","items":{"type":"array","minItems":3,"maxItems":4}},)"
+    R"("runs":{"type":"array","items":{"type":"array"}},)"
     R"("merges":{"type":"array","items":{"type":"array","items":{"type":"integer"},"minItems":2,"maxItems":2}},)"
     R"("patches":{"type":"array","items":{"type":"object","required":["id","label","shape","samples"]}},)"
     R"("forms":{"type":"array","items":{"type":"object","required":["kind","patches","confidence"]}}},"required":["group"]})";

@@ -11,13 +11,12 @@
 
 namespace scansion {
 
-/// Positions of vertices to 0.1 um, or as they are.
-enum class Rounding : std::uint8_t { tenth_um, none };
-/// One feature line, {"id":...}: also what `scansion export` writes.
-void append_feature_line(std::string& out, const FeatureLine& line, Rounding rounding = Rounding::tenth_um);
+/// One feature line as `scansion export` and `scansion tail` write it: every attribute, vertices as [x, y, z, line, index].
+void append_feature_line(std::string& out, const FeatureLine& line);
+/// The same as an entry of a message: what is usual is left out, vertices are differences of whole counts.
+void append_line_entry(std::string& out, const FeatureLine& line);
 
-/// The messages for the two channels: none when there is nothing to say, several when one would be long. Positions are rounded
-/// to 0.1 um, all else to three decimals.
+/// The messages for the two channels: none when there is nothing to say, several when one would be long.
 [[nodiscard]] std::vector<std::string> features_messages(const FeatureReport& report);
 [[nodiscard]] std::vector<std::string> patches_messages(const FeatureReport& report);
 

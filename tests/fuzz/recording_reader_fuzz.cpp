@@ -1,6 +1,6 @@
-// Opens, reads and verifies whatever the file holds. What verify calls sound must read to the last point.
+// Opens, reads and verifies whatever the file holds. What verify calls sound must read to the last point and feature line.
 // SPDX-License-Identifier: Apache-2.0
-#include "pipeline/record/reader.hpp"
+#include "pipeline/record/findings.hpp"
 #include "pipeline/record/repair.hpp"
 #include "tests/fuzz/recording_input.hpp"
 
@@ -32,5 +32,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const auto decoded = reader.value().read_group(i, kMaxLevels, group);
     if (sound && !decoded) std::abort();
   }
+  const auto found = read_findings(reader.value());
+  if (sound && !found) std::abort();
   return 0;
 }

@@ -23,14 +23,15 @@ SCHEMAS = [  # name, encoding, data; ids from 1
     ("scansion.Gap", "jsonschema",
      '{"type":"object","properties":{"first":{"type":"integer"},"count":{"type":["integer","null"]},"reason":{"type":"string"}}}'),
     ("scansion.Features", "jsonschema",
-     '{"title":"scansion.Features","type":"object","properties":{"group":{"type":"integer","minimum":0},"lines":{"ty'
-     'pe":"array","items":{"type":"object","properties":{"id":{"type":"integer"},"piece":{"type":"integer"},"type":{'
-     '"enum":["convex","concave","step-top","step-bottom","ridge","valley"]},"vertices":{"type":"array","items":{"ty'
-     'pe":"array","items":{"type":"number"},"minItems":5,"maxItems":6}}},"required":["id","piece","type","vertices"]'
-     '}}},"required":["group","lines"]}'),
+     '{"title":"scansion.Features","type":"object","properties":{"group":{"type":"integer","minimum":0},"lines":{"'
+     'type":"array","items":{"type":"object","properties":{"id":{"type":"integer"},"piece":{"type":"integer","defa'
+     'ult":0},"type":{"enum":["convex","concave","step-top","step-bottom","ridge","valley"]},"per_mm":{"type":"int'
+     'eger","minimum":1,"description":"counts of x, y, z a mm"},"vertices":{"type":"array","items":{"type":"intege'
+     'r"},"description":"rows of x, y, z in counts, scan line, sample; each less the row before"}},"required":["id'
+     '","type","per_mm","vertices"]}}},"required":["group","lines"]}'),
     ("scansion.Patches", "jsonschema",
      '{"title":"scansion.Patches","type":"object","properties":{"group":{"type":"integer","minimum":0},"runs":{"type'
-     '":"array","items":{"type":"array","minItems":3,"maxItems":4}},"merges":{"type":"array","items":{"type":"array"'
+     '":"array","items":{"type":"array"}},"merges":{"type":"array","items":{"type":"array"'
      ',"items":{"type":"integer"},"minItems":2,"maxItems":2}},"patches":{"type":"array","items":{"type":"object","re'
      'quired":["id","label","shape","samples"]}},"forms":{"type":"array","items":{"type":"object","required":["kind"'
      ',"patches","confidence"]}}},"required":["group"]}'),

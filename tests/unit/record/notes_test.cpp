@@ -16,17 +16,18 @@ FeatureLine line_of(std::uint64_t id, std::int32_t piece, double x0, double x1) 
   line.level = 2;
   line.begins = FeatureEnd::border;
   line.ends = FeatureEnd::junction;
-  line.vertices = {{{x0, 2.5, -1.0}, 7, 12, false}, {{x1, 2.5, -1.125}, 8, 13, true}};
+  line.vertices = {{{x0, 2.5, -1.0}, 7, 12}, {{x1, 2.5, -1.125}, 8, 13}};
+  line.per_mm = 1000;
   line.length_mm = x1 - x0;
   line.scan_lines = 2;
-  line.inner_angle = {151.5, 2.25};
+  line.inner_angle = {151.5, 2.5};
   line.orientation = {-88.0, 0.5};
-  line.turning = {28.5, 2.25};
-  line.width = {3.5, 0.125};
+  line.turning = {28.5, 2.5};
+  line.width = {3.5, 0.25};
   line.sharpness = 4.5;
   line.guided_share = 0.5;
-  line.persistence = 1.25;
-  line.across_mm = 0.0625;
+  line.persistence = 1.5;
+  line.across_mm = 0.125;
   line.elements[1] = 3;
   line.elements[16] = 9;
   line.partner = 41;
@@ -39,6 +40,11 @@ FeatureReport full_report() {
   report.group = 5;
   report.lines = {line_of(1, 0, 0.0, 1.5), line_of(2, 0, 4.0, 9.25)};
   report.lines[1].partner.reset();
+  report.lines[1].junctions.clear();
+  report.lines[1].piece = -3;
+  report.lines[1].begins = FeatureEnd::death;
+  report.lines[1].begins_at = LineEnd{7, true};
+  report.lines[1].met_by = {{4, false}, {6, true}};
   report.lines[1].closed_loop = true;
   report.runs = {{10, 0, 4, 0}, {10, 4, 3, 2}, {10, 9, 2, 1}, {11, 0, 5, 0}, {11, 5, 2, 2}, {11, 9, 1, 1}, {12, 3, 8, 7}};
   report.merges = {{2, 0}, {7, 2}};
@@ -105,6 +111,8 @@ TEST(Notes, DamagedTextIsRefused) {
   for (const char* bad :
        {R"({"group":1,"runs":[[0,0,[1]]]})", R"({"group":1,"runs":[[0,0,[1],[1,2]]]})", R"({"group":1,"merges":[[1]]})",
         R"({"group":1,"runs":[[0,4294967295,[9],[1]]]})", R"({"group":1,"runs":[[0,0,[0],[1]]]})",
+        R"({"group":1,"runs":[[1]]})", R"({"group":1,"runs":[[0,0,[3],[1]],[-3]]})",
+        R"({"group":1,"runs":[[0,0,[3],[1]],[1,1]]})", R"({"group":1,"runs":[7]})",
         R"({"group":1,"forms":[{"kind":"crater","patches":[],"confidence":1}]})"}) {
     EXPECT_FALSE(parse_patches_message(bad, report)) << bad;
   }
