@@ -1,6 +1,5 @@
 #!/usr/bin/env python3
-"""Compresses the project's recordings and compares bytes, levels and rearrangement with golden.json, and what is found on some of
-them with features.json.
+"""Compresses the project's recordings and compares bytes, levels and rearrangement with golden.json.
 
 golden_test.py --bin DIR --recordings DIR [--update]
 
@@ -14,8 +13,6 @@ import pathlib
 import subprocess
 import sys
 import tempfile
-
-WITH_FEATURES = ("part.xyz", "pocket.xyz", "steps.xyz")
 
 
 def run(*command):
@@ -39,17 +36,22 @@ def facts(scansion, scan, folder):
     }
 
 
-def found(scansion, scan, folder):
-    """Feature lines as [type, begins, ends, length in mm, partner, junctions] and the number of patches: places are the score's business."""
-    recording, listed = folder / "f.mcap", folder / "features.json"
-    run(scansion, "compress", scan, "-o", recording, "--force")
-    run(scansion, "export", recording, "-o", listed, "--what", "features", "--force")
-    lines = [[line["type"], line["begins"], line["ends"], round(line["length"], 1), line["partner"], line["junctions"]]
-             for line in json.loads(listed.read_text())["lines"]]
-    return {"features": lines, "patches": json.loads(run(scansion, "info", recording, "--json"))["patches"]}
-
-
-def compare(golden, now):
+def main():
+    arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    arguments.add_argument("--bin", required=True)
+    arguments.add_argument("--recordings", required=True)
+    arguments.add_argument("--update", action="store_true")
+    o = arguments.parse_args()
+    golden_file = pathlib.Path(__file__).with_name("golden.json")
+    scans = sorted(pathlib.Path(o.recordings).glob("*.xyz"))
+    if not scans:
+        sys.exit("no recordings in " + o.recordings)
+    with tempfile.TemporaryDirectory() as folder:
+        now = {scan.name: facts(pathlib.Path(o.bin) / "scansion", scan, pathlib.Path(folder)) for scan in scans}
+    if o.update:
+        golden_file.write_text(json.dumps(now, indent=1) + "\n")
+        return
+    golden = json.loads(golden_file.read_text())
     differences = 0
     for name in sorted(set(golden) | set(now)):
         for key in sorted(set(golden.get(name, {})) | set(now.get(name, {}))):
@@ -57,30 +59,6 @@ def compare(golden, now):
             if want != got:
                 differences += 1
                 print(f"{name}: {key}: golden {want}, now {got}")
-    return differences
-
-
-def main():
-    arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    arguments.add_argument("--bin", required=True)
-    arguments.add_argument("--recordings", required=True)
-    arguments.add_argument("--update", action="store_true")
-    o = arguments.parse_args()
-    golden_file, features_file = (pathlib.Path(__file__).with_name(name) for name in ("golden.json", "features.json"))
-    scans = sorted(pathlib.Path(o.recordings).glob("*.xyz"))
-    if not scans:
-        sys.exit("no recordings in " + o.recordings)
-    with tempfile.TemporaryDirectory() as folder:
-        scansion, place = pathlib.Path(o.bin) / "scansion", pathlib.Path(folder)
-        now = {scan.name: facts(scansion, scan, place) for scan in scans}
-        features = {scan.name: found(scansion, scan, place) for scan in scans if scan.name in WITH_FEATURES}
-    if o.update:
-        golden_file.write_text(json.dumps(now, indent=1) + "\n")
-        rows = ",\n".join(f" {json.dumps(name)}: {json.dumps(values)}" for name, values in features.items())
-        features_file.write_text("{\n" + rows + "\n}\n")
-        return
-    differences = compare(json.loads(golden_file.read_text()), now)
-    differences += compare(json.loads(features_file.read_text()), features)
     if differences:
         sys.exit(f"{differences} differences; if they are wanted: golden_test.py --update")
     print(f"{len(now)} recordings as golden")
