@@ -52,7 +52,8 @@ private:
 class Pipeline {
 public:
   Pipeline(const LevelSpec& levels, Rational resolution_mm, std::uint32_t stream)
-      : ranker_(resolution_mm), calibrator_(levels), stream_(stream) {}
+      : ranker_(resolution_mm, RankUnit::automatic, levels.floor.in_counts(resolution_mm)), calibrator_(levels),
+        stream_(stream) {}
   void process(const LineGroup& group, EncodedGroup& out);
   /// D and depth of the points of the group processed last.
   [[nodiscard]] const GroupRanks& ranks() const noexcept { return ranks_; }

@@ -19,7 +19,7 @@ namespace {
 struct Options {
   std::vector<std::string> inputs;
   std::string output, format = "auto", unit = "mm", resolution = "auto", levels = "geometric:3", columns, grid = "cols",
-                      features = "on";
+                      floor = "off", features = "on";
   std::string device = "file";
   std::string linking = "soft";
   double gap = 0.0, spacing = 1.0, noise = 0.0, noise_correlation = 1.0;
@@ -66,6 +66,7 @@ std::uint32_t stream_id(const RecordingFacts& facts) {
   std::string text = facts.device + '/' + to_string(facts.levels) + '/' + std::string(name(l.unit));
   for (const std::int64_t v : {l.resolution.num, l.resolution.den, l.origin[0], l.origin[1], l.origin[2]})
     text += '/' + std::to_string(v);
+  if (facts.levels.floor.on()) text += '/' + to_string(facts.levels.floor);
   return crc32c(0, std::as_bytes(std::span(text)));
 }
 
@@ -223,6 +224,8 @@ void report(const Options& o, const Totals& t) {
 Result<int> compress(Options o) {
   const auto started = std::chrono::steady_clock::now();
   SCANSION_TRY(levels, parse_level_spec(o.levels));
+  SCANSION_TRY(floor, parse_floor(o.floor));
+  levels.floor = floor;
   SCANSION_TRY(import, import_options(o));
   if (o.threads == 0) o.threads = std::max(1U, std::thread::hardware_concurrency());
   o.threads = std::min(o.threads, kMostThreads);
@@ -265,6 +268,8 @@ Verb add_compress(CLI::App& root) {
       ->capture_default_str();
   auto* gap = app->add_option("--gap", o->gap, "A step longer than this many mm starts a new run")->check(CLI::PositiveNumber);
   app->add_option("--levels", o->levels, "geometric:N[:RATIO], uniform:N[:DMAX] or explicit:T1,T2,... in mm")
+      ->capture_default_str();
+  app->add_option("--floor", o->floor, "Rank no finer than this: off, half (a count) or mm; stated in the recording")
       ->capture_default_str();
   app->add_option("--features", o->features, "Find feature lines and patches")
       ->check(CLI::IsMember({"on", "off"}))

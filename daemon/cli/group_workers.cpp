@@ -14,8 +14,9 @@ std::int64_t thread_time_ns() noexcept {
 
 GroupWorkers::GroupWorkers(unsigned threads, const LevelSpec& levels, Rational resolution_mm, std::uint32_t stream,
                            Commit commit)
-    : resolution_(resolution_mm), stream_(stream), calibrator_(levels), commit_(std::move(commit)),
-      slots_(threads > 1 ? 2 * threads + 1 : 1), own_ranker_(resolution_mm) {
+    : resolution_(resolution_mm), floor_counts_(levels.floor.in_counts(resolution_mm)), stream_(stream), calibrator_(levels),
+      commit_(std::move(commit)), slots_(threads > 1 ? 2 * threads + 1 : 1),
+      own_ranker_(resolution_mm, RankUnit::automatic, floor_counts_) {
   for (unsigned i = 0; threads > 1 && i < threads; ++i) threads_.emplace_back([this] { work(); });
 }
 
@@ -41,7 +42,7 @@ void GroupWorkers::encode(Slot& slot, GroupEncoder& encoder) const {
 }
 
 void GroupWorkers::work() {
-  Ranker ranker(resolution_);
+  Ranker ranker(resolution_, RankUnit::automatic, floor_counts_);
   GroupEncoder encoder;
   std::unique_lock lock(mutex_);
   while (true) {

@@ -59,6 +59,7 @@ private:
   [[nodiscard]] Result<void> advance(const Slot* need, bool all);
 
   Rational resolution_;
+  double floor_counts_;
   std::uint32_t stream_;
   Calibrator calibrator_;
   Commit commit_;

@@ -109,6 +109,7 @@ nlohmann::ordered_json to_json(const RecordingReader& reader, const Summary& s, 
           {"exact", facts.lattice.exact},
           {"levels", s.tolerances},
           {"level_choice", to_string(facts.levels)},
+          {"floor", facts.levels.floor.on() ? ordered_json(to_string(facts.levels.floor)) : ordered_json()},
           {"epochs", s.epochs},
           {"points_per_level", s.points_per_level},
           {"lossless", facts.stored_levels == facts.level_count + 1},
@@ -140,6 +141,8 @@ void print_text(const RecordingReader& reader, const Summary& s, double resoluti
   row("gaps", std::to_string(reader.gaps().size()));
   row("unit", std::string(name(facts.lattice.unit)));
   row("resolution", number(resolution) + " mm per count" + (facts.lattice.exact ? ", every IEEE bit kept" : ""));
+  if (const Floor& floor = facts.levels.floor; floor.on())
+    row("floor", floor.counts ? "half a count: ranked no finer" : to_string(floor) + " mm: ranked no finer");
   if (s.epochs.size() > 1) row("epochs", std::to_string(s.epochs.size()) + "; the levels below are the last one's");
   std::uint64_t sum = 0;
   for (std::uint32_t k = 0; k < facts.stored_levels; ++k) {

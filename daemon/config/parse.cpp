@@ -256,7 +256,9 @@ Result<Config> parse_config(std::string_view text, const std::string& file_name)
                       recording.integer("rotate_mb"), recording.integer("rotate_minutes")};
   config.socket = config.control_values.text("socket");
   SCANSION_TRY(levels, parse_level_spec(config.pipeline_values.text("levels")));
+  SCANSION_TRY(floor, parse_floor(config.pipeline_values.text("floor")));
   config.levels = std::move(levels);
+  config.levels.floor = floor;
   return config;
 }
 

@@ -28,6 +28,12 @@ Result<void> check_levels(std::string_view text) {
   return success();
 }
 
+Result<void> check_floor(std::string_view text) {
+  auto floor = parse_floor(text);
+  if (!floor) return fail(Errc::config, "is no floor: ", floor.assume_error().context);
+  return success();
+}
+
 Result<void> check_name(std::string_view text) {
   const auto allowed = [](char c) {
     return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '.' || c == '_' || c == '-';
@@ -113,6 +119,10 @@ const Section& pipeline_section() noexcept {
        .standard = "geometric:3",
        .meaning = "levels of detail: geometric:N[:RATIO], uniform:N[:DMAX] or explicit:T1,T2,... (mm)",
        .check = check_levels},
+      {.key = "floor",
+       .standard = "off",
+       .meaning = "rank no finer than this: off, half (a count) or mm as text, \"0.01\"; stated in the recording",
+       .check = check_floor},
   };
   static const Section section{"pipeline", "How lines are divided into levels of detail.", rows};
   return section;

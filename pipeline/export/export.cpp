@@ -89,7 +89,7 @@ Result<ExportReport> export_rearrangement(RecordingReader& reader, const Selecti
     return fail(Errc::usage, "a rearrangement needs every point, and this recording was cut to level ",
                 std::to_string(facts.stored_levels - 1));
   SCANSION_TRY(resolution, resolution_mm(facts.lattice));
-  Ranker ranker(resolution);
+  Ranker ranker(resolution, RankUnit::automatic, facts.levels.floor.in_counts(resolution));
   GroupRanks ranks;
   DecodedGroup decoded;
   RankSorter sorter;

@@ -54,7 +54,8 @@ public:
 
 private:
   Selector(RecordingReader& reader, const Selection& selection, Rational resolution)
-      : reader_(&reader), selection_(selection), ranker_(resolution) {}
+      : reader_(&reader), selection_(selection),
+        ranker_(resolution, RankUnit::automatic, reader.facts().levels.floor.in_counts(resolution)) {}
   [[nodiscard]] Result<std::uint32_t> level_needed(std::size_t group);
   [[nodiscard]] Result<void> find_common_threshold();
   void keep_by_tolerance(SelectedGroup& out);

@@ -53,6 +53,20 @@ std::string shortest(double value) {
 
 } // namespace
 
+Result<Floor> parse_floor(std::string_view text) {
+  if (text == "off") return Floor{};
+  if (text == "half") return Floor{0.5, true};
+  const auto mm = parse_tolerance(text, "floor");
+  if (!mm)
+    return fail(Errc::usage, "floor '", text, "' is none of off, half or a number of millimetres above 0 and at most 1e9");
+  return Floor{mm.value(), false};
+}
+
+std::string to_string(const Floor& floor) {
+  if (!floor.on()) return "off";
+  return floor.counts ? "half" : shortest(floor.value);
+}
+
 Result<LevelSpec> parse_level_spec(std::string_view text) {
   const std::size_t colon = text.find(':');
   const std::string_view kind = text.substr(0, colon);

@@ -191,6 +191,7 @@ Bytes facts_record(const RecordingFacts& f) {
   if (f.gap_mm) e.emplace_back("gap_mm", number(*f.gap_mm));
   if (f.started_ns) e.emplace_back("started_ns", number(*f.started_ns));
   if (f.features) e.emplace_back("features", "yes");
+  if (f.levels.floor.on()) e.emplace_back("floor", to_string(f.levels.floor));
   return record(kFactsName, std::move(e));
 }
 
@@ -230,6 +231,13 @@ Result<RecordingFacts> parse_facts(ByteView content) {
   if (f.gap_mm && !not_negative(*f.gap_mm)) values.reject("gap_mm");
   f.started_ns = values.optional_number<std::int64_t>("started_ns");
   f.features = values.yes("features");
+  if (const auto text = values.find("floor")) {
+    const auto floor = parse_floor(*text);
+    if (floor && floor.value().on())
+      f.levels.floor = floor.value();
+    else
+      values.reject("floor");
+  }
   SCANSION_TRY(values.all_read());
   return f;
 }

@@ -38,11 +38,11 @@ SCHEMAS = [  # name, encoding, data; ids from 1
 ]
 NOTE_LIMIT = 32 << 20
 FACTS = ("format device stream unit resolution levels level_count origin source exact stored_levels rounding_mm gap_mm "
-         "started_ns features").split()
+         "started_ns features floor").split()
 TOTALS = "lines points runs groups invalid gaps rounding_mm ended_ns".split()
 # Entries that may be missing, and what they say then.
 OPTIONAL = {"origin": "0 0 0", "source": "decimal", "exact": None, "stored_levels": None, "rounding_mm": "0", "gap_mm": None,
-            "started_ns": None, "features": None, "invalid": "0", "gaps": "0", "ended_ns": None}
+            "started_ns": None, "features": None, "floor": None, "invalid": "0", "gaps": "0", "ended_ns": None}
 
 
 class FormatError(Exception):

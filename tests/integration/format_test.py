@@ -128,7 +128,8 @@ def cases(folder):
         yield name, ".xyz", xyz(lines), [], lines
     for options in (["--levels", "explicit:5,1,0.02"], ["--levels", "explicit:0.5"], ["--levels", "uniform:4"],
                     ["--levels", "uniform:16:3"], ["--levels", "geometric:1"], ["--levels", "geometric:5:2"], ["--gap", "0.15"],
-                    ["--unit", "in"], ["--levels", "uniform:2"], ["--resolution", "1e-05"], ["--device", "table-1.x"]):
+                    ["--unit", "in"], ["--levels", "uniform:2"], ["--resolution", "1e-05"], ["--device", "table-1.x"],
+                    ["--floor", "half"], ["--floor", "0.02"]):
         yield " ".join(options), ".xyz", xyz(part[:12]), options, part[:12]
     yield "rounded", ".xyz", xyz(part[:4]), ["--resolution", "0.007"], None
     for form in "fd":

@@ -19,6 +19,13 @@ TEST(LevelSpec, ReadsWhatItWrites) {
   EXPECT_EQ(parse_level_spec("geometric:3").value(), LevelSpec{});
 }
 
+TEST(Floor, ReadsWhatItWrites) {
+  for (const char* text : {"off", "half", "0.0125"}) EXPECT_EQ(to_string(parse_floor(text).value()), text);
+  EXPECT_EQ(parse_floor("half").value().in_counts({5, 1000}), 0.5);
+  EXPECT_EQ(parse_floor("0.0125").value().in_counts({5, 1000}), 2.5);
+  for (const char* text : {"", "0", "-1", "nan", "1e10", "halves", "0.5 "}) EXPECT_FALSE(parse_floor(text)) << text;
+}
+
 TEST(LevelSpec, RefusesNonsense) {
   for (const char* text :
        {"", "geometric", "geometric:0", "geometric:17", "geometric:3:1", "geometric:3:x", "uniform:-1", "uniform:2:0",

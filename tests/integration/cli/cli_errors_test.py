@@ -289,6 +289,8 @@ def usage(kit):
                                             "explicit:1,0", "explicit:-1", "explicit:1,,0.5", "explicit:nan", "explicit:inf", "linear:3",
                                             "explicit:" + ",".join(str(20 - i) for i in range(17)))):
         place.bad_scan(place.scan, *words, code=2)
+    for words in (["--floor", w] for w in ("", "0", "-1", "nan", "most")):
+        place.bad_scan(place.scan, *words, code=2)
     for words in (["--unit", "parsec"], ["--resolution", "0"], ["--resolution", "-1"], ["--resolution", "fine"], ["--gap", "0"],
                   ["--gap", "-1"], ["--gap", "nan"], ["--threads", "-1"], ["--threads", "many"], ["--format", "las"], ["--grid", "diagonal"],
                   ["--spacing", "0"], ["--features", "maybe"], ["--columns", "q"], ["--device", "a/b"], ["--device", ""]):

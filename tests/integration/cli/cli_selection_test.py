@@ -280,6 +280,25 @@ def epochs(kit):
         check_tolerances(scan, ["0.05", "0.0125", "0.004"])
 
 
+def floors(kit):
+    """Ranked no finer than the floor: every point is kept, tolerances hold, and the recording says so; else nothing changes."""
+    folder = kit.folder("floors")
+    plain = Scan(kit, kit.scene(os.path.join(folder, "scan.xyz"), "part", "--lines", 20, "--points", 300))
+    same(plain.info["floor"], None, "floor in info without one")
+    for words, floor in (("half", 0.0005), ("0.02", 0.02)):
+        source = os.path.join(folder, f"{words}.xyz")
+        os.symlink(plain.source, source)
+        scan = Scan(kit, source, "--floor", words)
+        same(scan.info["floor"], words, "floor in info")
+        same(scan.export()[0], plain.export()[0], f"--floor {words}: every point")
+        for above in ("0.05", "0.3"):
+            same(scan.export("--tolerance", above)[0], plain.export("--tolerance", above)[0], f"--floor {words}: above it")
+        for below in (0.0, floor / 3, floor):
+            kept = scan.export("--tolerance", repr(below))[0]
+            least = plain.export("--tolerance", repr(below))[0]
+            check(all(set(few) <= set(many) for few, many in zip(least, kept)), f"--floor {words}: a tolerance of {below} keeps less")
+
+
 def units(kit):
     """Tolerances are millimetres whatever the input's unit is."""
     folder = kit.folder("units")
@@ -368,5 +387,5 @@ def selections_that_do_not_exist(kit):
 
 if __name__ == "__main__":
     run_cases("selections against an exact reference", [
-        every_selection, level_choices, epochs, units, rearrangement_of_a_range, paper_scene, paper_scene_by_tolerance,
+        every_selection, level_choices, epochs, floors, units, rearrangement_of_a_range, paper_scene, paper_scene_by_tolerance,
         selections_that_do_not_exist])

@@ -30,6 +30,9 @@ TEST(Metadata, FactsComeBack) {
   f.lattice = {{(std::int64_t{1} << 53) - 1, 127}, {1, -2, 3}, Unit::um, Source::float64, false};
   f.levels = {LevelSpec::Kind::uniform, 5, 3.0, 0.7, {}};
   f.stored_levels = 1;
+  f.levels.floor = {0.5, true};
+  all.push_back(f);
+  f.levels.floor = {0.0125, false};
   all.push_back(f);
   for (const RecordingFacts& one : all) {
     const auto again = parse_facts(content(facts_record(one)));
