@@ -114,10 +114,10 @@ inline Unsplit split_eight_twos(const std::uint32_t* pairs, const Waiting* w, do
 template <unsigned kInner>
 inline Unsplit split_eight(const std::uint32_t* pairs, const Waiting* w, double floor, Parts& parts) {
   using E = Eight;
-  constexpr unsigned kFours = (kInner + 2 + 3) / 4;
+  constexpr std::size_t kFours = (kInner + 2 + 3) / 4;
   E::V p[4 * kFours];
 #pragma GCC unroll 4
-  for (unsigned f = 0; f < kFours; ++f) E::four(pairs + 4 * f, w, p + 4 * f);
+  for (std::size_t f = 0; f < kFours; ++f) E::four(pairs + 4 * f, w, p + 4 * f);
   const FarthestEight<kInner> far(p);
   const E::Open open = E::open(w);
   const E::Real q = E::min(far.squared, open.bound);
