@@ -153,12 +153,12 @@ private:
     if (!next) {
       spdlog::error("the new configuration is refused, the old one stays in force:\n{}", next.assume_error().context);
     } else {
-      take(std::move(next).assume_value());
+      take(next.assume_value());
     }
     notify("READY=1");
   }
 
-  void take(Config next) {
+  void take(const Config& next) {
     if (!(next.recording_values == config_.recording_values && next.control_values == config_.control_values &&
           next.pipeline_values == config_.pipeline_values)) {
       spdlog::warn("changes of [recording], [control] and [pipeline] need a restart of the daemon; only devices are reloaded");

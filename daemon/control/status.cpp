@@ -27,11 +27,8 @@ Json link_json(const std::optional<LinkStatus>& link) {
     rejected[cause] = count;
     frames += count;
   }
-  return {{"bytes_in", link->bytes_in},
-          {"bytes_out", link->bytes_out},
-          {"frames", frames},
-          {"accepted", link->accepted},
-          {"rejected", rejected}};
+  return {{"bytes_in", link->bytes_in}, {"bytes_out", link->bytes_out}, {"frames", frames},
+          {"accepted", link->accepted}, {"rejected", rejected},         {"raw_dropped", link->raw_dropped}};
 }
 
 Json device_json(const DeviceStatus& device) {
@@ -91,7 +88,8 @@ std::string to_json(const DaemonStatus& status) {
   out["version"] = status.version;
   out["pid"] = status.pid;
   out["started"] = iso_time(status.started_ns);
-  out["uptime_s"] = static_cast<double>(status.uptime_ns / 1'000'000) / 1000.0;
+  const std::int64_t uptime_ms = status.uptime_ns / 1'000'000;
+  out["uptime_s"] = static_cast<double>(uptime_ms) / 1000.0;
   out["config"] = status.config;
   out["recording"] = {{"directory", status.directory},
                       {"free_mb", status.free_mb ? Json(*status.free_mb) : Json(nullptr)},

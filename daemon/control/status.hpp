@@ -18,6 +18,7 @@ struct LinkStatus {
   std::uint64_t bytes_in = 0, bytes_out = 0;
   std::uint64_t accepted = 0;                                  ///< frames
   std::vector<std::pair<std::string, std::uint64_t>> rejected; ///< frames by cause
+  std::uint64_t raw_dropped = 0;                               ///< events that a transcript at its bound did not take
 };
 
 /// State and counters of one device. Counters run since the daemon took the device up; none of them ever goes back.

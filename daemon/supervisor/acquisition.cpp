@@ -72,7 +72,6 @@ private:
     if (machine_.state() != SessionState::closed) return shared_.sleep_until(machine_.retry_at());
     if (error.code != Errc::attention) return false;
     // The port is free now, for whoever puts the machine right.
-    shared_.want(Wanted::leave);
     if (!shared_.wait_until_wanted()) return false;
     spdlog::warn("{}: started by command", shared_.config.name);
     return true;
@@ -203,7 +202,9 @@ private:
   }
 
   void report(const Error& error) {
-    shared_.set_error(error.context); // before the state: who sees the state may ask why
+    // Both before the state: who sees the state may ask why, and may start the device at once.
+    shared_.set_error(error.context);
+    if (error.code == Errc::attention) shared_.want(Wanted::leave);
     machine_.failed(error.code, shared_.clock.steady_ns());
     publish(); // lost, when it was streaming
     driver_.close();

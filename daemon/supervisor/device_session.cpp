@@ -47,9 +47,10 @@ void dump(const SessionShared& shared, DumpReason reason, const SessionSettings&
     spdlog::warn("{}: no raw dump: {}", shared.config.name, path.assume_error().context);
 }
 
-std::optional<LinkStatus> link_status(const LinkCounters* counters) {
+std::optional<LinkStatus> link_status(const LinkView& link) {
+  const LinkCounters* counters = link.counters.get();
   if (counters == nullptr) return std::nullopt;
-  LinkStatus out{counters->bytes_in, counters->bytes_out, counters->accepted, {}};
+  LinkStatus out{counters->bytes_in, counters->bytes_out, counters->accepted, {}, link.raw ? link.raw->dropped() : 0};
   for (std::size_t i = 0; i < kRejects; ++i) out.rejected.emplace_back(name(static_cast<Reject>(i)), counters->rejects[i]);
   return out;
 }
@@ -136,7 +137,7 @@ DeviceStatus DeviceSession::status() const {
   out.recording_bytes = recorder.bytes;
   out.last_recording = recorder.last_path;
   out.blocked = recorder.blocked;
-  out.link = link_status(shared_->link.counters.get());
+  out.link = link_status(shared_->link);
   if (const std::int64_t last = shared_->last_line_ns; last != 0) out.last_line_ns = last;
   return out;
 }

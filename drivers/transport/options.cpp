@@ -81,9 +81,16 @@ std::vector<Option> with_transport(std::span<const Option> own, const TransportK
                   .example = "\"/var/lib/scansion/table-1.raw\"",
                   .alternative = true});
   rows.push_back({.key = "raw",
-                  .meaning = "file to which all bytes from and to the device are written with their times; grows without bound",
+                  .meaning = "file to which all bytes from and to the device are written with their times, up to raw_limit_mb",
                   .check = check_path,
                   .example = "\"/var/lib/scansion/table-1.raw\"",
+                  .alternative = true});
+  rows.push_back({.key = "raw_limit_mb",
+                  .type = OptionType::integer,
+                  .standard = std::int64_t{1024},
+                  .meaning = "MiB that the file of raw may grow to; what comes later is counted and left out",
+                  .min = 1,
+                  .max = 1e6,
                   .alternative = true});
   return rows;
 }
@@ -124,7 +131,9 @@ Result<std::unique_ptr<Transport>> make_transport(const OptionValues& values, co
                 given == 0 ? "how to reach the device is missing" : "more than one way to reach the device is given",
                 "; give exactly one of ", choices(kinds));
   }
-  return std::unique_ptr<Transport>(std::make_unique<RawTap>(std::move(inner), std::move(ring), values.text("raw")));
+  const auto limit = values.get<std::int64_t>("raw_limit_mb");
+  const std::uint64_t bound = limit ? static_cast<std::uint64_t>(*limit) << 20U : UINT64_MAX;
+  return std::unique_ptr<Transport>(std::make_unique<RawTap>(std::move(inner), std::move(ring), values.text("raw"), bound));
 }
 
 } // namespace scansion

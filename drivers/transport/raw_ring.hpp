@@ -4,6 +4,7 @@
 
 #include "drivers/transport/raw_event.hpp"
 
+#include <atomic>
 #include <mutex>
 
 namespace scansion {
@@ -18,6 +19,9 @@ public:
   void push(RawEvent::Kind kind, const Moment& at, std::span<const std::uint8_t> bytes);
   /// As a transcript; empty when nothing ever happened.
   [[nodiscard]] std::string transcript() const;
+  /// Events that a transcript at its bound did not take.
+  void note_dropped() noexcept { dropped_.fetch_add(1, std::memory_order_relaxed); }
+  [[nodiscard]] std::uint64_t dropped() const noexcept { return dropped_; }
   /// Whether anything came from the device since the ring was made.
   [[nodiscard]] bool has_received() const;
 
@@ -36,6 +40,7 @@ private:
   std::size_t first_ = 0; ///< offset of the oldest event
   std::size_t used_ = 0;  ///< bytes
   bool received_ = false;
+  std::atomic<std::uint64_t> dropped_{0};
 };
 
 } // namespace scansion

@@ -8,6 +8,18 @@
 #include <unistd.h>
 
 namespace scansion {
+namespace {
+
+constexpr std::string_view kFull = "# the bound of this transcript is reached; what came later is not here\n";
+
+/// Whether an earlier process left it full.
+bool ends_full(int fd, off_t end) {
+  char last[kFull.size()];
+  const auto size = static_cast<off_t>(kFull.size());
+  return end >= size && ::pread(fd, last, kFull.size(), end - size) == size && std::string_view(last, kFull.size()) == kFull;
+}
+
+} // namespace
 
 Result<void> RawTap::open_transcript() {
   if (path_.empty() || file_) return success();
@@ -20,11 +32,10 @@ Result<void> RawTap::open_transcript() {
   if (end > 0 && ::pread(file.get(), &last, 1, end - 1) != 1) return system_error(path_ + ": cannot be read", errno);
   // A line torn by a power cut stays a line of its own; reading the transcript reports it.
   const std::string_view lead = end > 0 ? (last == '\n' ? std::string_view() : std::string_view("\n")) : kTranscriptHeading;
-  if (::write(file.get(), lead.data(), lead.size()) != static_cast<ssize_t>(lead.size())) {
-    return system_error(path_ + ": cannot write the transcript", errno);
-  }
+  size_ = static_cast<std::uint64_t>(end);
+  is_full_ = ends_full(file.get(), end);
   file_ = std::move(file);
-  return success();
+  return put(lead);
 }
 
 Result<void> RawTap::note(RawEvent::Kind kind, const Moment& at, std::span<const std::uint8_t> bytes) {
@@ -32,12 +43,19 @@ Result<void> RawTap::note(RawEvent::Kind kind, const Moment& at, std::span<const
   if (!file_) return success();
   line_.clear();
   append_event(line_, kind, at, bytes);
-  std::string_view rest = line_;
-  while (!rest.empty()) {
-    const ssize_t put = ::write(file_.get(), rest.data(), rest.size());
-    if (put < 0 && errno == EINTR) continue;
-    if (put <= 0) return system_error(path_ + ": writing the transcript failed", errno);
-    rest.remove_prefix(static_cast<std::size_t>(put));
+  if (!is_full_ && size_ + line_.size() <= bound_) return put(line_);
+  ring_->note_dropped();
+  if (std::exchange(is_full_, true)) return success();
+  return put(kFull);
+}
+
+Result<void> RawTap::put(std::string_view text) {
+  size_ += text.size();
+  while (!text.empty()) {
+    const ssize_t written = ::write(file_.get(), text.data(), text.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) return system_error(path_ + ": writing the transcript failed", errno);
+    text.remove_prefix(static_cast<std::size_t>(written));
   }
   return success();
 }

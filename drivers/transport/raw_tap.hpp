@@ -12,9 +12,11 @@ namespace scansion {
 /// Thread-bound like every transport; the ring may be read from elsewhere.
 class RawTap final : public Transport {
 public:
-  /// `transcript`: a file that events are appended to; empty: none. It is held for this transport alone.
-  RawTap(std::unique_ptr<Transport> inner, std::shared_ptr<RawRing> ring, std::string transcript)
-      : inner_(std::move(inner)), ring_(std::move(ring)), path_(std::move(transcript)) {}
+  /// `transcript`: a file that events are appended to; empty: none. It is held for this transport alone. With the first event
+  /// that would make it larger than `bound` it ends for good: what is there can be played, and what is not is counted.
+  RawTap(std::unique_ptr<Transport> inner, std::shared_ptr<RawRing> ring, std::string transcript,
+         std::uint64_t bound = UINT64_MAX)
+      : inner_(std::move(inner)), ring_(std::move(ring)), path_(std::move(transcript)), bound_(bound) {}
   ~RawTap() override { close(); }
 
   using Transport::write;
@@ -35,7 +37,12 @@ private:
 
   std::unique_ptr<Transport> inner_;
   std::shared_ptr<RawRing> ring_;
+  Result<void> put(std::string_view text);
+
   const std::string path_;
+  const std::uint64_t bound_;
+  std::uint64_t size_ = 0; ///< of the file
+  bool is_full_ = false;
   UniqueFd file_;
   std::string line_; ///< used again
   bool is_open_ = false;

@@ -18,7 +18,7 @@ import time
 from cli_kit import Failure, Skip, check, is_root, run_cases, same, skip_part
 from reference import read_counts
 
-VERBS = ("compress", "export", "info", "verify", "recover", "compare", "view", "status", "tail", "devices", "stop", "start",
+VERBS = ("compress", "export", "info", "verify", "recover", "compare", "view", "status", "tail", "devices", "record", "stop", "start",
          "completion")
 STOPPED = 130  # by SIGINT or SIGTERM
 

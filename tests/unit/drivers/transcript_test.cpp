@@ -115,6 +115,25 @@ TEST_F(Transcript, ATimerMayBeDueWhereTheDeviceWasLeftThen) {
   }
 }
 
+TEST_F(Transcript, EndsForGoodAtItsBound) {
+  const std::string played = path_ + ".played";
+  std::ofstream(played) << "O 10 1010\n< 20 1020 12345\n< 30 1030 12345\n< 40 1040 1\nC 50 1050\n";
+  for (int run = 0; run < 2; ++run) { // neither a shorter event nor another process goes on
+    auto ring = std::make_shared<RawRing>();
+    RawTap tap(transcript_transport(played), ring, path_, 60);
+    ASSERT_TRUE(tap.open());
+    EXPECT_EQ(read_all(tap), "1234512345"
+                             "1[end]");
+    tap.close();
+    EXPECT_GT(ring->dropped(), 0U);
+    std::ifstream file(path_);
+    EXPECT_EQ(std::string(std::istreambuf_iterator<char>(file), {}),
+              "# scansion raw transcript 1\nO 10 1010\n< 20 1020 123\n"
+              "# the bound of this transcript is reached; what came later is not here\n");
+  }
+  ::unlink(played.c_str());
+}
+
 TEST_F(Transcript, OfATranscriptIsTheSame) {
   const std::string text = "# scansion raw transcript 1\nO 10 1010\n< 30 1030 one\\xff\nC 30 1030\n";
   write(text);
