@@ -1,4 +1,4 @@
-// The SCIP decoder on any bytes, in pieces. First byte: mode and size of the pieces.
+// The SCIP decoder on any bytes, in pieces. First byte: mode, echoes, single scans, gap and size of the pieces.
 // SPDX-License-Identifier: Apache-2.0
 #include "drivers/hokuyo-scip/scip_decoder.hpp"
 
@@ -12,7 +12,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   ScipDecoder::Expected expected;
   expected.sensor = {"UTM-30LX", 23, 60000, 1440, 0, 1080, 540, 2400};
   expected.plan = {"DSE"[data[0] % 3U], 540, 562, 1, 0};
-  expected.head = std::string("M") + expected.plan.kind + "05400562000";
+  expected.plan.has_echoes = (data[0] & 0x40U) != 0;
+  expected.plan.is_polled = (data[0] & 0x20U) != 0;
+  expected.plan.echo = static_cast<scip::EchoChoice>(size % 3);
+  expected.head = expected.plan.has_echoes ? "N" : "M";
+  if (expected.plan.is_polled) expected.head = expected.plan.has_echoes ? "H" : "G";
+  expected.head += expected.plan.kind;
+  expected.head += expected.plan.is_polled ? "0540056200" : "05400562000";
   expected.tail = ";s1";
   expected.gap_mm = (data[0] & 0x80U) != 0 ? std::optional(20.0) : std::nullopt;
   decoder.expect(std::move(expected));
