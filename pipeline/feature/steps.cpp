@@ -105,7 +105,9 @@ void StepFinder::measure(const Heights& h, WallRun& wall, std::uint32_t low, std
   double s_before = 0.5 * (h.s[edge_before] + h.s[edge_after]), s_after = s_before;
   double slope = std::copysign(1e3, after.at(middle) - before.at(middle));
   const std::uint32_t steepest = steepest_interval(h, wall.first, wall.last);
+  bool upright = b < a + 2;
   if (std::abs(h.w[steepest + 1] - h.w[steepest]) > kUpright * height && b < a + 4 && before.gap + after.gap > 0) {
+    upright = true;
     s_before = s_after = 0.5 * (h.s[steepest] + h.s[steepest + 1]);
   } else if (b >= a + 2) {
     // The rounded ends of a wall are less steep than its middle.
@@ -136,7 +138,7 @@ void StepFinder::measure(const Heights& h, WallRun& wall, std::uint32_t low, std
     p->sharpness = 6.0;
     p->sigma_s = 0.5 * scale.pitch;
     p->step = true;
-    p->drop = b < a + 2 ? height : 0.0;
+    p->drop = upright ? height : 0.0;
     p->element = p->tau < 0.0 ? ShapeElement::step_top : ShapeElement::step_bottom;
     p->type = p->tau < 0.0 ? FeatureType::step_top : FeatureType::step_bottom;
   }
