@@ -12,7 +12,7 @@ namespace {
 constexpr double kSteep = 40.0;          // degrees to the scan lines: a lengthwise track above this is trusted alone
 constexpr double kShallow = 52.0;        // a crosswise track above this is not
 constexpr double kBeside = 1.3;          // pitches, spacings
-constexpr double kShallowTurning = 15.0; // degrees: a lengthwise track below kSteep must turn more
+constexpr double kShallowTurning = 10.0; // degrees: a lengthwise track below kSteep must turn more
 
 } // namespace
 
@@ -29,7 +29,8 @@ void Union::gather(std::span<Track* const> tracks, Pass pass, double low, double
     }
     for (; first != last; ++first) {
       const double c = track->c_of(*first);
-      if (c >= low && c <= high) out.push_back({track->s_of(*first), c, track, &*first});
+      if (c < low || c > high) continue;
+      out.push_back({track->s_of(*first), c, track, &*first, static_cast<std::size_t>(first - track->points.begin())});
     }
   }
   std::sort(out.begin(), out.end(), [](const Near& a, const Near& b) {
@@ -39,12 +40,17 @@ void Union::gather(std::span<Track* const> tracks, Pass pass, double low, double
 }
 
 // Whether a kept point of another track of the same polarity stands near.
-bool Union::is_covered(const Band& band, const Near& place, double reach_s, double reach_c, bool by_longer) {
+bool Union::is_covered(const Band& band, const Near& place, double reach_s, double reach_c, By by) {
   auto it = std::lower_bound(band.begin(), band.end(), place.s - reach_s, [](const Near& n, double s) { return n.s < s; });
   for (; it != band.end() && it->s <= place.s + reach_s; ++it) {
     if (it->track == place.track || std::abs(it->c - place.c) > reach_c || it->point->verdict == Verdict::dropped) continue;
     if (it->track->convex() != place.track->convex()) continue;
-    if (!by_longer) return true;
+    if (by == By::any) return true;
+    if (by == By::shallow) {
+      // A steep one will be dropped itself.
+      if (it->track->angle_to_lines(it->index) < kShallow) return true;
+      continue;
+    }
     const std::size_t other = it->track->size(), own = place.track->size();
     if (other > own || (other == own && it->track->id < place.track->id)) return true;
   }
@@ -62,27 +68,20 @@ void Union::decide(std::span<Track* const> tracks, double settled, const Samplin
   const double high = settled + 2.0 * reach;
   gather(tracks, Pass::lengthwise, low, high, lengthwise_);
   gather(tracks, Pass::crosswise, low, high, crosswise_);
-  const auto index = [](const Near& n) {
-    // The place of a point in its track: tracks run in ascending r.
-    const auto& points = n.track->points;
-    const auto it =
-        std::lower_bound(points.begin(), points.end(), n.point->r, [](const TrackPoint& p, double r) { return p.r < r; });
-    return static_cast<std::size_t>(it - points.begin());
-  };
   for (const Near& n : lengthwise_) {
     if (n.point->verdict != Verdict::open || n.c > settled) continue;
-    const bool steep = n.track->angle_to_lines(index(n)) >= kSteep;
-    const bool twin = is_covered(lengthwise_, n, kBeside * sampling.pitch, 0.5 * sampling.spacing, true);
+    const bool steep = n.track->angle_to_lines(n.index) >= kSteep;
+    const bool twin = is_covered(lengthwise_, n, kBeside * sampling.pitch, 0.5 * sampling.spacing, By::longer);
     // The section of a rounding is so long here that its polygon shows.
     const bool weak = std::abs(n.point->feature.tau) < kShallowTurning;
-    const bool drop = twin || (!steep && (weak || is_covered(crosswise_, n, reach, reach, false)));
+    const bool drop = twin || (!steep && (weak || is_covered(crosswise_, n, reach, reach, By::shallow)));
     n.point->verdict = drop ? Verdict::dropped : Verdict::kept;
   }
   for (const Near& n : crosswise_) {
     if (n.point->verdict != Verdict::open || n.c > settled) continue;
-    const bool steep = n.track->angle_to_lines(index(n)) >= kShallow;
-    const bool twin = is_covered(crosswise_, n, 0.5 * sampling.pitch, kBeside * sampling.spacing, true);
-    const bool drop = steep || twin || is_covered(lengthwise_, n, reach, reach, false);
+    const bool steep = n.track->angle_to_lines(n.index) >= kShallow;
+    const bool twin = is_covered(crosswise_, n, 0.5 * sampling.pitch, kBeside * sampling.spacing, By::longer);
+    const bool drop = steep || twin || is_covered(lengthwise_, n, reach, reach, By::any);
     n.point->verdict = drop ? Verdict::dropped : Verdict::kept;
   }
   decided_ = std::max(decided_, settled);

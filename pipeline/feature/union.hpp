@@ -22,10 +22,12 @@ private:
     double s = 0.0, c = 0.0;
     const Track* track = nullptr;
     TrackPoint* point = nullptr;
+    std::size_t index = 0; ///< in its track
   };
   using Band = std::vector<Near>; // ascending s
   void gather(std::span<Track* const> tracks, Pass pass, double low, double high, Band& out) const;
-  [[nodiscard]] static bool is_covered(const Band& band, const Near& place, double reach_s, double reach_c, bool by_longer);
+  enum class By : std::uint8_t { any, longer, shallow };
+  [[nodiscard]] static bool is_covered(const Band& band, const Near& place, double reach_s, double reach_c, By by);
 
   double decided_ = -std::numeric_limits<double>::infinity();
   Band lengthwise_, crosswise_;
