@@ -20,10 +20,11 @@ constexpr std::size_t kMostFlank = 64;       // rows
 
 Columns::Columns(const Sampling& sampling) : pitch_(sampling.pitch) {
   // Narrow features want narrow windows; the noise decides how narrow.
-  window_ = std::max<std::size_t>(kNarrowest, (FitScale::wanted_window(sampling.noise, sampling.spacing) * 2 + 2) / 3);
+  const std::size_t wanted = FitScale::wanted_window(sampling.noise, sampling.spacing);
+  window_ = std::max(kNarrowest, (wanted + 1) / 2);
   reach_ = std::max(kReach * window_, kLeastReach);
   const double rounding = FitScale::of(sampling.noise, sampling.spacing, sampling.coarse()).arc_radius / sampling.spacing;
-  flank_reach_ = std::max(reach_, std::min(kMostFlank, static_cast<std::size_t>(rounding) + window_));
+  flank_reach_ = std::max(reach_, std::min(kMostFlank, static_cast<std::size_t>(rounding) + wanted));
   ring_.resize(2 * lag() + 3);
 }
 
