@@ -21,7 +21,7 @@ constexpr std::size_t kMostFlank = 64;       // rows
 Columns::Columns(const Sampling& sampling) : pitch_(sampling.pitch) {
   // Narrow features want narrow windows; the noise decides how narrow.
   const std::size_t wanted = FitScale::wanted_window(sampling.noise, sampling.spacing);
-  window_ = std::max(kNarrowest, (wanted + 1) / 2);
+  window_ = std::max(kNarrowest, (wanted + 2) / 3);
   reach_ = std::max(kReach * window_, kLeastReach);
   const double rounding = FitScale::of(sampling.noise, sampling.spacing, sampling.coarse()).arc_radius / sampling.spacing;
   flank_reach_ = std::max(reach_, std::min(kMostFlank, static_cast<std::size_t>(rounding) + wanted));
