@@ -181,7 +181,7 @@ private:
         const Feature& self = scene_.features[feature];
         const double own = at_bend ? z_of_bend : self.profile().height(at.distance);
         const std::array<double, 3> point{at.x, at.y, scene_.height(at.x, at.y) - self.height(at.x, at.y) + own};
-        const bool seen = turning_at(at) >= kLeastTurning && looker_.sees(point);
+        const bool seen = turning_at(at) >= kLeastTurning && looker_.sees(on_surface(point, like.radius_mm));
         if (k == 0) pieces.first_point_seen(seen);
         if (seen)
           pieces.add(point);
@@ -190,6 +190,14 @@ private:
       }
       pieces.finish(outline.closed, curves_);
     }
+  }
+
+  /// The edge of a fillet lies inside the material: what a scan sees is the rounding above it.
+  [[nodiscard]] std::array<double, 3> on_surface(std::array<double, 3> point, double radius) const noexcept {
+    constexpr double kMostFilled = 0.5; // of the radius, at a right angle
+    const double surface = scene_.height(point[0], point[1]);
+    if (radius > 0.0 && surface > point[2]) point[2] = std::min(surface, point[2] + kMostFilled * radius);
+    return point;
   }
 
   void add_bend(std::size_t k, const ProfileBend& bend) {
