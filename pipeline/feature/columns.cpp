@@ -218,26 +218,37 @@ bool Columns::is_part_of_step(double c, const FitScale& scale) const {
   });
 }
 
-// A wall between row r and the next one.
+// Whether the interval from row r to the next one is the first of a wall short enough to be a step.
+bool Columns::starts_step(std::int64_t r, std::size_t column, const WallTest& test) const {
+  const auto dw = [&](std::int64_t k) {
+    if (!has(k) || !has(k + 1)) return std::numeric_limits<double>::quiet_NaN();
+    return static_cast<double>(row(k + 1).height[column]) - static_cast<double>(row(k).height[column]);
+  };
+  const auto ds = [&](std::int64_t k) { return row(k + 1).c - row(k).c; };
+  const bool rising = dw(r) > 0.0;
+  const auto grows = [&](std::int64_t k) { return has(k) && has(k + 1) && test.grows(ds(k), dw(k), rising); };
+  if (grows(r - 1)) return false;
+  bool seeded = false;
+  std::int64_t k = r;
+  do {
+    seeded = seeded || test.seeds(ds(k), dw(k), dw(k - 1), dw(k + 1));
+    ++k;
+  } while (grows(k) && k - r <= static_cast<std::int64_t>(kMostIntervals));
+  return seeded && k - r <= static_cast<std::int64_t>(kMostIntervals);
+}
+
+// The step whose wall starts between row r and the next one.
 void Columns::measure_step(std::int64_t r, std::size_t column, const FitScale& scale, std::vector<ColumnPoint>& out) {
-  copy_column(r, column, static_cast<std::int64_t>(lag()));
+  copy_column(r, column, static_cast<std::int64_t>(flank_reach_));
   found_.clear();
   walls_.clear();
-  steps_.find({s_, w_}, 0, static_cast<std::uint32_t>(s_.size()), scale, found_, walls_);
-  const double from = row(r).c, to = row(r + 1).c;
-  std::size_t next = 0;
-  for (const WallRun& wall : walls_) {
-    if (!wall.step) continue;
-    const std::size_t at = next;
-    next += 2;
-    // A wall over several rows belongs to its first interval.
-    if (s_[wall.first] < from - 1e-9 || s_[wall.first] >= to - 1e-9) continue;
-    for (const std::size_t i : {at, at + 1}) {
-      ColumnPoint point = column_point(r, column, found_[i]);
-      const double height = std::abs(found_[at].w - found_[at + 1].w);
-      point.feature.width = std::log2(std::max(1.0, 0.5 * height / least_distance(scale.noise)));
-      out.push_back(point);
-    }
+  const auto first = static_cast<std::uint32_t>(std::lower_bound(s_.begin(), s_.end(), row(r).c) - s_.begin());
+  steps_.find({s_, w_}, 0, static_cast<std::uint32_t>(s_.size()), scale, found_, walls_, first);
+  for (const FeaturePoint& found : found_) {
+    ColumnPoint point = column_point(r, column, found);
+    const double height = std::abs(found_.front().w - found_.back().w);
+    point.feature.width = std::log2(std::max(1.0, 0.5 * height / least_distance(scale.noise)));
+    out.push_back(point);
   }
 }
 
@@ -250,7 +261,8 @@ void Columns::harvest(std::int64_t r, const Sampling& sampling, std::vector<Colu
   const auto near = std::max<std::int64_t>(1, static_cast<std::int64_t>(window_) / 2);
   const Row& centre = row(r);
   const bool wall_possible = has(r + 1);
-  const auto wall = static_cast<float>(std::max(8.0 * scale.noise, 0.05));
+  const WallTest test(scale);
+  const auto wall = static_cast<float>(test.noise); // every interval of a wall is larger
   for (std::size_t j = 0; j < width_; ++j) {
     const float own = centre.bend[j];
     if (std::abs(own) >= least) {
@@ -262,7 +274,8 @@ void Columns::harvest(std::int64_t r, const Sampling& sampling, std::vector<Colu
       }
       if (best) measure_bend(r, j, sampling, scale, out);
     }
-    if (wall_possible && std::abs(row(r + 1).height[j] - centre.height[j]) > wall) measure_step(r, j, scale, out);
+    if (wall_possible && std::abs(row(r + 1).height[j] - centre.height[j]) > wall && starts_step(r, j, test))
+      measure_step(r, j, scale, out);
   }
 }
 

@@ -59,6 +59,7 @@ private:
                     std::vector<ColumnPoint>& out);
   void bound_by_steps(double c, const FitScale& scale, Reach& reach);
   [[nodiscard]] bool is_part_of_step(double c, const FitScale& scale) const;
+  [[nodiscard]] bool starts_step(std::int64_t r, std::size_t column, const WallTest& test) const;
   void measure_step(std::int64_t r, std::size_t column, const FitScale& scale, std::vector<ColumnPoint>& out);
   void copy_column(std::int64_t r, std::size_t column, std::int64_t reach);
   [[nodiscard]] ColumnPoint column_point(std::int64_t r, std::size_t column, const FeaturePoint& feature) const;

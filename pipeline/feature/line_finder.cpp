@@ -77,8 +77,13 @@ void LineFinder::shed(Track& track, const Sampling& sampling) {
 
 void LineFinder::smooth_ended(std::size_t first) {
   constexpr std::size_t kReach = 3; // of smoothing; points whose forerunners were shed are smooth already
-  for (std::size_t i = first; i < ended_.size(); ++i)
-    smooth(ended_[i], ended_[i].shed > 0 ? kReach : 0, ended_[i].points.size());
+  for (std::size_t i = first; i < ended_.size(); ++i) {
+    Track& track = ended_[i];
+    const std::size_t n = track.points.size();
+    // Lengthwise tracks are smoothed while they grow.
+    const bool grew = track.pass == Pass::lengthwise && n > kSmoothLag;
+    smooth(track, grew ? n - kSmoothLag : track.shed > 0 ? kReach : 0, n);
+  }
 }
 
 void LineFinder::settle(double settled, const Sampling& sampling, std::vector<Curve>& out) {

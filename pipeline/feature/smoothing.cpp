@@ -14,47 +14,74 @@ constexpr std::size_t kReach = 3;
 constexpr std::size_t kMost = 2 * kReach + 1;
 
 struct Samples {
-  std::array<double, kMost> t{}, value{}, weight{};
+  std::array<double, kMost> t{}, weight{};
   std::size_t count = 0;
 };
 
-// The weighted polynomial of degree 0 to 2: its coefficients.
-std::array<double, 3> fit(const Samples& x, std::size_t terms) {
-  std::array<std::array<double, 4>, 3> m{};
-  for (std::size_t i = 0; i < x.count; ++i) {
-    const std::array<double, 3> power{1.0, x.t[i], x.t[i] * x.t[i]};
-    for (std::size_t a = 0; a < terms; ++a) {
-      for (std::size_t b = 0; b < terms; ++b) m[a][b] += x.weight[i] * power[a] * power[b];
-      m[a][3] += x.weight[i] * power[a] * x.value[i];
-    }
-  }
-  // Gauss with the diagonal as pivot: the matrix is positive definite.
-  for (std::size_t a = 0; a < terms; ++a) {
-    if (m[a][a] <= 1e-30) return fit(x, a == 0 ? 1 : a);
-    for (std::size_t b = a + 1; b < terms; ++b) {
-      const double f = m[b][a] / m[a][a];
-      for (std::size_t k = a; k < 3; ++k) m[b][k] -= f * m[a][k];
-      m[b][3] -= f * m[a][3];
-    }
-  }
-  std::array<double, 3> out{};
-  for (std::size_t a = terms; a-- > 0;) {
-    double v = m[a][3];
-    for (std::size_t b = a + 1; b < terms; ++b) v -= m[a][b] * out[b];
-    out[a] = v / m[a][a];
-  }
-  return out;
-}
+struct Quadratic {
+  double c0 = 0.0, c1 = 0.0, c2 = 0.0;
+  [[nodiscard]] double at(double t) const noexcept { return c0 + t * (c1 + t * c2); }
+};
 
-double smooth_value(Samples& x) {
-  const std::size_t terms = x.count >= 5 ? 3 : x.count >= 3 ? 2 : 1;
-  const auto first = fit(x, terms);
-  if (x.count < 4) return first[0];
-  std::array<double, kMost> off{};
-  for (std::size_t i = 0; i < x.count; ++i)
-    off[i] = std::abs(x.value[i] - first[0] - first[1] * x.t[i] - first[2] * x.t[i] * x.t[i]) * std::sqrt(x.weight[i]);
-  for (std::size_t i = 0; i < x.count; ++i) x.weight[i] /= 1.0 + off[i] * off[i];
-  return fit(x, terms)[0];
+// The normal equations of a weighted quadratic, taken apart once for any number of right sides.
+class Normal {
+public:
+  Normal(const Samples& x, const std::array<double, kMost>& weight, std::size_t terms) noexcept {
+    double s0 = 0.0, s1 = 0.0, s2 = 0.0, s3 = 0.0, s4 = 0.0;
+    for (std::size_t i = 0; i < x.count; ++i) {
+      const double t = x.t[i], w = weight[i], wt = w * t, wtt = wt * t;
+      s0 += w;
+      s1 += wt;
+      s2 += wtt;
+      s3 += wtt * t;
+      s4 += wtt * t * t;
+    }
+    constexpr double kNothing = 1e-12; // of the first pivot
+    p0_ = s0;
+    l10_ = s1 / s0;
+    l20_ = s2 / s0;
+    p1_ = s2 - l10_ * s1;
+    linear_ = terms > 1 && p1_ > kNothing * s0;
+    if (!linear_) return;
+    const double m21 = s3 - l10_ * s2;
+    l21_ = m21 / p1_;
+    p2_ = s4 - l20_ * s2 - l21_ * m21;
+    square_ = terms > 2 && p2_ > kNothing * s0;
+  }
+
+  [[nodiscard]] Quadratic solve(const Samples& x, const std::array<double, kMost>& weight,
+                                const std::array<double, kMost>& value) const noexcept {
+    double v0 = 0.0, v1 = 0.0, v2 = 0.0;
+    for (std::size_t i = 0; i < x.count; ++i) {
+      const double v = weight[i] * value[i], vt = v * x.t[i];
+      v0 += v;
+      v1 += vt;
+      v2 += vt * x.t[i];
+    }
+    v1 -= l10_ * v0;
+    v2 -= l20_ * v0 + l21_ * v1;
+    Quadratic q;
+    if (square_) q.c2 = v2 / p2_;
+    if (linear_) q.c1 = v1 / p1_ - l21_ * q.c2;
+    q.c0 = v0 / p0_ - l10_ * q.c1 - l20_ * q.c2;
+    return q;
+  }
+
+private:
+  double p0_ = 0.0, p1_ = 0.0, p2_ = 0.0, l10_ = 0.0, l20_ = 0.0, l21_ = 0.0;
+  bool linear_ = false, square_ = false;
+};
+
+// The value in the middle after a second round in which what is far from the first one counts less.
+double robust_value(const Samples& x, const Quadratic& first, const std::array<double, kMost>& value,
+                    std::size_t terms) noexcept {
+  if (x.count < 4) return first.c0;
+  std::array<double, kMost> weight{};
+  for (std::size_t i = 0; i < x.count; ++i) {
+    const double off = value[i] - first.at(x.t[i]);
+    weight[i] = x.weight[i] / (1.0 + off * off * x.weight[i]);
+  }
+  return Normal(x, weight, terms).solve(x, weight, value).c0;
 }
 
 } // namespace
@@ -62,19 +89,22 @@ double smooth_value(Samples& x) {
 void smooth(Track& track, std::size_t first, std::size_t last) {
   for (std::size_t i = first; i < last; ++i) {
     TrackPoint& p = track.points[i];
-    Samples q, w;
+    Samples x;
+    std::array<double, kMost> q{}, w{};
     const std::size_t low = i > kReach ? i - kReach : 0, high = std::min(track.points.size() - 1, i + kReach);
-    const double unit = std::max(1e-9, std::abs(track.points[high].r - track.points[low].r));
+    const double unit = 1.0 / std::max(1e-9, std::abs(track.points[high].r - track.points[low].r));
     for (std::size_t j = low; j <= high; ++j) {
       const TrackPoint& other = track.points[j];
       const double sigma = std::max(1e-6, other.feature.sigma_s);
-      q.t[q.count] = w.t[w.count] = (other.r - p.r) / unit;
-      q.value[q.count] = other.q - p.q;
-      w.value[w.count] = other.w - p.w;
-      q.weight[q.count++] = w.weight[w.count++] = 1.0 / (sigma * sigma);
+      x.t[x.count] = (other.r - p.r) * unit;
+      q[x.count] = other.q - p.q;
+      w[x.count] = other.w - p.w;
+      x.weight[x.count++] = 1.0 / (sigma * sigma);
     }
-    p.smooth_q = p.q + smooth_value(q);
-    p.smooth_w = p.w + smooth_value(w);
+    const std::size_t terms = x.count >= 5 ? 3 : x.count >= 3 ? 2 : 1;
+    const Normal normal(x, x.weight, terms);
+    p.smooth_q = p.q + robust_value(x, normal.solve(x, x.weight, q), q, terms);
+    p.smooth_w = p.w + robust_value(x, normal.solve(x, x.weight, w), w, terms);
   }
 }
 

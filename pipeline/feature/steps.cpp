@@ -6,36 +6,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace scansion {
 
 namespace {
 
-constexpr double kWallSlope = 2.7474774194546; // tan 70
 constexpr double kDegrees = 180.0 / std::numbers::pi;
-constexpr std::uint32_t kMostIntervals = 6; // a longer wall is sampled well enough to be ranked
-constexpr std::uint32_t kLineEnd = 3;       // samples at the end of a run that show no feature
-
-struct WallTest {
-  double strong, weak, noise;
-  explicit WallTest(const FitScale& scale)
-      : strong(std::max(8.0 * scale.noise, 0.09)), weak(std::max(8.0 * scale.noise, 0.05)), noise(4.0 * scale.noise) {}
-
-  [[nodiscard]] bool seed(const Heights& h, std::uint32_t k, std::uint32_t begin, std::uint32_t end) const noexcept {
-    const double dw = std::abs(h.w[k + 1] - h.w[k]);
-    if (dw <= weak) return false;
-    const double ds = h.s[k + 1] - h.s[k];
-    if (dw > kWallSlope * ds && dw > strong) return true;
-    if (dw <= 0.5 * ds || k < begin + 1 || k + 2 >= end) return false;
-    return std::abs(h.w[k] - h.w[k - 1]) < 0.35 * dw && std::abs(h.w[k + 2] - h.w[k + 1]) < 0.35 * dw;
-  }
-  [[nodiscard]] bool grows(const Heights& h, std::uint32_t k, bool rising) const noexcept {
-    const double dw = h.w[k + 1] - h.w[k];
-    const double size = rising ? dw : -dw;
-    return size > 0.5 * kWallSlope * (h.s[k + 1] - h.s[k]) && size > noise;
-  }
-};
+constexpr std::uint32_t kLineEnd = 3; // samples at the end of a run that show no feature
 
 constexpr double kUpright = 0.6; // of its height: a wall that falls this far within one interval stands in it
 
@@ -63,17 +42,26 @@ double wall_slope(const Heights& h, std::uint32_t first, std::uint32_t last) noe
 
 } // namespace
 
+WallTest::WallTest(const FitScale& scale) noexcept
+    : strong(std::max(8.0 * scale.noise, 0.09)), weak(std::max(8.0 * scale.noise, 0.05)), noise(4.0 * scale.noise) {}
+
 void StepFinder::find_walls(const Heights& h, std::uint32_t begin, std::uint32_t end, const FitScale& scale,
                             std::vector<WallRun>& walls) const {
   const WallTest test(scale);
   const std::size_t known = walls.size();
+  const double* s = h.s.data();
+  const double* w = h.w.data();
+  const auto ds = [&](std::uint32_t k) { return s[k + 1] - s[k]; };
+  const auto dw = [&](std::uint32_t k) { return w[k + 1] - w[k]; };
+  constexpr double kNone = std::numeric_limits<double>::infinity(); // the ends of a run start no wall by themselves
   for (std::uint32_t k = begin; k + 1 < end; ++k) {
-    if (!test.seed(h, k, begin, end)) continue;
-    const bool rising = h.w[k + 1] > h.w[k];
+    if (std::abs(dw(k)) <= test.weak) continue;
+    if (!test.seeds(ds(k), dw(k), k > begin ? dw(k - 1) : kNone, k + 2 < end ? dw(k + 1) : kNone)) continue;
+    const bool rising = dw(k) > 0.0;
     WallRun wall{k, k + 1, 0, 0, false};
     const std::uint32_t floor = walls.size() > known ? walls.back().last : begin;
-    while (wall.first > floor && test.grows(h, wall.first - 1, rising)) --wall.first;
-    while (wall.last + 1 < end && test.grows(h, wall.last, rising)) ++wall.last;
+    while (wall.first > floor && test.grows(ds(wall.first - 1), dw(wall.first - 1), rising)) --wall.first;
+    while (wall.last + 1 < end && test.grows(ds(wall.last), dw(wall.last), rising)) ++wall.last;
     wall.low = wall.first;
     wall.high = wall.last;
     walls.push_back(wall);
@@ -153,12 +141,12 @@ void StepFinder::measure(const Heights& h, WallRun& wall, std::uint32_t low, std
 }
 
 void StepFinder::find(const Heights& heights, std::uint32_t begin, std::uint32_t end, const FitScale& scale,
-                      std::vector<FeaturePoint>& out, std::vector<WallRun>& walls) {
+                      std::vector<FeaturePoint>& out, std::vector<WallRun>& walls, std::optional<std::uint32_t> only) {
   const std::size_t known = walls.size();
   find_walls(heights, begin, end, scale, walls);
   for (std::size_t i = known; i < walls.size(); ++i) {
     WallRun& wall = walls[i];
-    if (wall.last - wall.first > kMostIntervals) continue;
+    if (wall.last - wall.first > kMostIntervals || (only && wall.first != *only)) continue;
     if (wall.first < begin + kLineEnd || wall.last + kLineEnd >= end) continue;
     const std::uint32_t low = i > known ? walls[i - 1].last + 1 : begin;
     const std::uint32_t high = i + 1 < walls.size() ? walls[i + 1].first - 1 : end - 1;

@@ -5,6 +5,8 @@
 #include "pipeline/feature/feature_point.hpp"
 #include "pipeline/feature/local_fit.hpp"
 
+#include <cmath>
+#include <optional>
 #include <vector>
 
 namespace scansion {
@@ -15,13 +17,34 @@ struct WallRun {
   bool step = false; ///< short enough to be a step: its edges were found
 };
 
+/// Which intervals between samples are walls; lengths in mm.
+struct WallTest {
+  static constexpr double kSlope = 2.7474774194546; ///< tan 70
+  double strong, weak, noise;
+  explicit WallTest(const FitScale& scale) noexcept;
+
+  /// Whether an interval starts a wall by itself; `before`, `after`: height differences of its neighbours, not a number: none.
+  [[nodiscard]] bool seeds(double ds, double dw, double before, double after) const noexcept {
+    const double size = std::abs(dw);
+    if (size <= weak) return false;
+    if (size > kSlope * ds && size > strong) return true;
+    return size > 0.5 * ds && !(std::abs(before) >= 0.35 * size) && !(std::abs(after) >= 0.35 * size);
+  }
+  /// Whether an interval belongs to a wall beside it.
+  [[nodiscard]] bool grows(double ds, double dw, bool rising) const noexcept {
+    const double size = rising ? dw : -dw;
+    return size > 0.5 * kSlope * ds && size > noise;
+  }
+};
+inline constexpr std::uint32_t kMostIntervals = 6; ///< of a step: a longer wall is sampled well enough to be ranked
+
 /// Thread-bound: holds scratch.
 class StepFinder {
 public:
   /// Adds both edges of each step of the run of samples [begin, end), in order of s and tied to each other, and lists all wall
-  /// runs. Samples are counted from the start of the profile.
+  /// runs. Samples are counted from the start of the profile. `only`: measures just the wall whose first sample this is.
   void find(const Heights& heights, std::uint32_t begin, std::uint32_t end, const FitScale& scale,
-            std::vector<FeaturePoint>& out, std::vector<WallRun>& walls);
+            std::vector<FeaturePoint>& out, std::vector<WallRun>& walls, std::optional<std::uint32_t> only = std::nullopt);
 
 private:
   void find_walls(const Heights& h, std::uint32_t begin, std::uint32_t end, const FitScale& scale,
