@@ -14,6 +14,7 @@ namespace {
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 constexpr float kLeastSlopeChange = 0.1228F; // tan 7 degrees
 constexpr double kMostMissed = 3.6;          // spacings within a window
+constexpr std::size_t kBlock = 32;           // columns
 constexpr std::size_t kMostFlank = 64;       // rows
 
 } // namespace
@@ -61,28 +62,25 @@ void Columns::resample(const Profile& profile, const Sampling& sampling, Row& ou
   constexpr double kWidest = 3.5; // pitches between samples
   std::fill(out.height.begin(), out.height.end(), kNone);
   const double jump = std::max(6.0 * sampling.noise, 1.5 * sampling.pitch);
-  std::uint32_t begin = 0;
+  const double* const s = profile.s.data();
+  const double* const w = profile.w.data();
+  float* const height = out.height.data() - left_;
+  std::uint32_t* const source = out.source.data() - left_;
+  std::uint32_t k = 0;
   for (const std::uint32_t end : profile.ends) {
-    auto column = static_cast<std::int64_t>(std::ceil(profile.s[begin] / pitch_));
-    for (std::uint32_t k = begin; k + 1 < end; ++k) {
-      const double s0 = profile.s[k], s1 = profile.s[k + 1];
-      double place = static_cast<double>(column) * pitch_;
-      if (place > s1) continue;
-      const double w0 = profile.w[k], w1 = profile.w[k + 1];
-      const bool steep = std::abs(w1 - w0) > jump;
-      if (s1 - s0 > kWidest * pitch_) {
-        column = static_cast<std::int64_t>(std::ceil(s1 / pitch_));
-        continue;
-      }
-      const double slope = (w1 - w0) / (s1 - s0);
-      for (; place <= s1; place = static_cast<double>(++column) * pitch_) {
-        const double w = steep ? (place - s0 < s1 - place ? w0 : w1) : w0 + slope * (place - s0);
-        const auto j = static_cast<std::size_t>(column - left_);
-        out.height[j] = static_cast<float>(w - base_);
-        out.source[j] = profile.source[place - s0 < s1 - place ? k : k + 1];
-      }
+    const auto first = static_cast<std::int64_t>(std::ceil(s[k] / pitch_));
+    const auto last = static_cast<std::int64_t>(std::floor(s[end - 1] / pitch_));
+    for (std::int64_t j = first; j <= last; ++j) {
+      const double place = static_cast<double>(j) * pitch_;
+      while (k + 2 < end && s[k + 1] < place) ++k;
+      if (k + 1 >= end) break;
+      const double ds = s[k + 1] - s[k], dw = w[k + 1] - w[k], t = place - s[k];
+      if (ds > kWidest * pitch_) continue;
+      const bool nearer = t < ds - t;
+      height[j] = static_cast<float>((std::abs(dw) > jump ? (nearer ? w[k] : w[k + 1]) : w[k] + dw * (t / ds)) - base_);
+      source[j] = profile.source[nearer ? k : k + 1];
     }
-    begin = end;
+    k = end;
   }
 }
 
@@ -263,20 +261,31 @@ void Columns::harvest(std::int64_t r, const Sampling& sampling, std::vector<Colu
   const bool wall_possible = has(r + 1);
   const WallTest test(scale);
   const auto wall = static_cast<float>(test.noise); // every interval of a wall is larger
-  for (std::size_t j = 0; j < width_; ++j) {
-    const float own = centre.bend[j];
-    if (std::abs(own) >= least) {
-      bool best = true;
-      for (std::int64_t k = r - near; best && k <= r + near; ++k) {
-        if (k == r || !has(k)) continue;
-        const float other = row(k).bend[j] * (own < 0.0F ? -1.0F : 1.0F);
-        best = k < r ? !(other >= std::abs(own)) : !(other > std::abs(own));
-      }
-      if (best) measure_bend(r, j, sampling, scale, out);
+  const float* const below = wall_possible ? row(r + 1).height.data() : centre.height.data();
+  // Most blocks show nothing.
+  for (std::size_t block = 0; block < width_; block += kBlock) {
+    const std::size_t end = std::min(width_, block + kBlock);
+    int seen = 0;
+    for (std::size_t j = block; j < end; ++j)
+      seen |=
+          static_cast<int>(std::abs(centre.bend[j]) >= least) | static_cast<int>(std::abs(below[j] - centre.height[j]) > wall);
+    if (seen == 0) continue;
+    for (std::size_t j = block; j < end; ++j) {
+      if (std::abs(centre.bend[j]) >= least && bends_most(r, j, near)) measure_bend(r, j, sampling, scale, out);
+      if (std::abs(below[j] - centre.height[j]) > wall && starts_step(r, j, test)) measure_step(r, j, scale, out);
     }
-    if (wall_possible && std::abs(row(r + 1).height[j] - centre.height[j]) > wall && starts_step(r, j, test))
-      measure_step(r, j, scale, out);
   }
+}
+
+// Whether no row within `near` of row r bends more the same way; the first of equal ones does.
+bool Columns::bends_most(std::int64_t r, std::size_t column, std::int64_t near) const {
+  const float own = row(r).bend[column];
+  for (std::int64_t k = r - near; k <= r + near; ++k) {
+    if (k == r || !has(k)) continue;
+    const float other = row(k).bend[column] * (own < 0.0F ? -1.0F : 1.0F);
+    if (k < r ? other >= std::abs(own) : other > std::abs(own)) return false;
+  }
+  return true;
 }
 
 } // namespace scansion

@@ -54,6 +54,7 @@ private:
   [[nodiscard]] bool make_room(double low, double high);
   void resample(const Profile& profile, const Sampling& sampling, Row& out) const;
   void screen(std::int64_t r, const Sampling& sampling);
+  [[nodiscard]] bool bends_most(std::int64_t r, std::size_t column, std::int64_t near) const;
   void harvest(std::int64_t r, const Sampling& sampling, std::vector<ColumnPoint>& out);
   void measure_bend(std::int64_t r, std::size_t column, const Sampling& sampling, const FitScale& scale,
                     std::vector<ColumnPoint>& out);

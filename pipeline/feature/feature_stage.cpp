@@ -9,6 +9,7 @@
 #include "pipeline/feature/publisher.hpp"
 #include "pipeline/feature/spikes.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace scansion {
@@ -58,19 +59,27 @@ struct FeatureStage::Impl {
 void FeatureStage::Impl::take(const LineGroup& group, const ScanLine& line, std::span<const double> distance,
                               RawLine& out) const {
   out.index = line.index;
-  out.x.clear();
-  out.y.clear();
-  out.z.clear();
-  out.distance.clear();
   out.ends.clear();
+  std::size_t n = 0;
+  for (const Run& run : group.runs_of(line)) out.ends.push_back(static_cast<std::uint32_t>(n += run.count));
+  out.distance.resize(n);
+  std::size_t at = 0;
   for (const Run& run : group.runs_of(line)) {
-    for (std::uint32_t k = run.first; k < run.first + run.count; ++k) {
-      out.x.push_back(group.xyz[0][k] * resolution);
-      out.y.push_back(group.xyz[1][k] * resolution);
-      out.z.push_back(group.xyz[2][k] * resolution);
-      out.distance.push_back(distance[k]);
+    std::copy_n(distance.begin() + run.first, run.count, out.distance.begin() + static_cast<std::ptrdiff_t>(at));
+    at += run.count;
+  }
+  const std::array<std::vector<double>*, 3> axes{&out.x, &out.y, &out.z};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    axes[axis]->resize(n);
+    double* to = axes[axis]->data();
+    std::int64_t sum = 0; // exact, whatever the order
+    for (const Run& run : group.runs_of(line)) {
+      const std::int32_t* from = group.xyz[axis].data() + run.first;
+      for (std::uint32_t k = 0; k < run.count; ++k) to[k] = from[k] * resolution;
+      for (std::uint32_t k = 0; k < run.count; ++k) sum += from[k];
+      to += run.count;
     }
-    out.ends.push_back(static_cast<std::uint32_t>(out.x.size()));
+    out.mean[axis] = n > 0 ? static_cast<double>(sum) * resolution / static_cast<double>(n) : 0.0;
   }
 }
 

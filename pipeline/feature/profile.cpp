@@ -3,6 +3,7 @@
 #include "pipeline/feature/profile.hpp"
 
 #include <algorithm>
+#include <numeric>
 
 namespace scansion {
 
@@ -47,10 +48,19 @@ void mask_steps_back(Profile& p) {
   if (!p.ends.empty() && p.ends.front() == 0) p.ends.erase(p.ends.begin());
 }
 
-bool ascends(const std::vector<double>& s) {
+std::size_t steps_back(const std::vector<double>& s) {
   std::size_t wrong = 0;
   for (std::size_t k = 1; k < s.size(); ++k) wrong += static_cast<std::size_t>(s[k] <= s[k - 1]);
-  return wrong == 0;
+  return wrong;
+}
+
+void project(const RawLine& line, const Frame& frame, double* s, double* w) {
+  const std::size_t n = line.x.size();
+  const double* x = line.x.data();
+  const double* y = line.y.data();
+  const double* z = line.z.data();
+  for (std::size_t k = 0; k < n; ++k) s[k] = x[k] * frame.along[0] + y[k] * frame.along[1];
+  for (std::size_t k = 0; k < n; ++k) w[k] = x[k] * frame.up[0] + y[k] * frame.up[1] + z[k] * frame.up[2];
 }
 
 } // namespace
@@ -63,23 +73,19 @@ void make_profile(const RawLine& line, const Frame& frame, Profile& out) {
   out.s.resize(n);
   out.w.resize(n);
   out.source.resize(n);
-  double across = 0.0;
-  for (std::size_t k = 0; k < n; ++k) {
-    out.s[k] = line.x[k] * frame.along[0] + line.y[k] * frame.along[1];
-    out.w[k] = line.x[k] * frame.up[0] + line.y[k] * frame.up[1] + line.z[k] * frame.up[2];
-    across += line.x[k] * frame.normal[0] + line.y[k] * frame.normal[1] + line.z[k] * frame.normal[2];
-    out.source[k] = static_cast<std::uint32_t>(k);
-  }
-  out.c = across / static_cast<double>(n);
+  project(line, frame, out.s.data(), out.w.data());
+  std::iota(out.source.begin(), out.source.end(), 0U);
+  out.c = dot(line.mean, frame.normal);
   out.distance.assign(line.distance.begin(), line.distance.end());
   out.ends.assign(line.ends.begin(), line.ends.end());
-  std::ptrdiff_t forward = 0;
-  for (std::size_t k = 1; k < n; ++k) forward += out.s[k] > out.s[k - 1] ? 1 : -1;
-  if (forward < 0) {
+  const std::size_t back = steps_back(out.s);
+  if (back == 0) return;
+  if (2 * back > n - 1) {
     out.turned = true;
     turn_round(out);
+    if (steps_back(out.s) == 0) return;
   }
-  if (!ascends(out.s)) mask_steps_back(out);
+  mask_steps_back(out);
 }
 
 } // namespace scansion

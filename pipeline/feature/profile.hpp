@@ -34,11 +34,12 @@ struct Profile {
   }
 };
 
-/// Points of one line in mm, its runs (Run::first relative to the line) and its distances.
+/// Points of one line in mm, their mean, its runs (Run::first relative to the line) and its distances.
 struct RawLine {
   std::uint64_t index = 0;
   std::vector<double> x, y, z, distance;
   std::vector<std::uint32_t> ends;
+  Vector3 mean{};
 };
 
 /// Fills `out` from `line`: turned round when it was scanned backwards, samples masked whose s does not advance.
