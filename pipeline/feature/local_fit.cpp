@@ -38,15 +38,23 @@ Moments operator+(const Moments& a, const Moments& b) noexcept {
 }
 
 struct Line {
-  double u = 0.0, v = 0.0; // a point of it
-  double theta = 0.0;      // radians
+  double u = 0.0, v = 0.0;         // a point of it
+  double theta = 0.0;              // radians
+  double cosine = 1.0, sine = 0.0; // of theta; the cosine is not negative
 };
 
+Line with_direction(double u, double v, double cosine, double sine) noexcept {
+  return {u, v, std::atan2(sine, cosine), cosine, sine};
+}
+
 Line fit_line(const Moments& m) noexcept {
-  Line line{m.u / m.n, m.v / m.n, 0.0};
-  const double uu = m.uu - m.u * line.u, uv = m.uv - m.u * line.v, vv = m.vv - m.v * line.v;
-  line.theta = 0.5 * std::atan2(2.0 * uv, uu - vv);
-  return line;
+  const double u = m.u / m.n, v = m.v / m.n;
+  const double uu = m.uu - m.u * u, uv = m.uv - m.u * v, vv = m.vv - m.v * v;
+  // The angle of the larger axis is half that of (uu - vv, 2 uv).
+  const double size = std::sqrt((uu - vv) * (uu - vv) + 4.0 * uv * uv);
+  const double twice = size > 0.0 ? (uu - vv) / size : 1.0;
+  const double cosine = std::sqrt(0.5 * (1.0 + twice));
+  return with_direction(u, v, cosine, std::copysign(std::sqrt(std::max(0.0, 0.5 * (1.0 - twice))), uv));
 }
 
 struct Parabola {
@@ -119,7 +127,8 @@ private:
     constexpr double kFewest = 3.0;
     if (m.n >= kFewest) return fit_line(m);
     const double du = h_.s[neighbour] - h_.s[k_], dv = h_.w[neighbour] - h_.w[k_];
-    return {0.0, 0.0, std::atan(dv / du)};
+    const double length = std::sqrt(du * du + dv * dv), sign = du < 0.0 ? -1.0 : 1.0;
+    return with_direction(0.0, 0.0, sign * du / length, sign * dv / length);
   }
   void refine(Bend& bend, const Line& before, const Line& after, std::uint32_t window, const FitScale& scale) const noexcept;
 
@@ -132,8 +141,7 @@ void Window::refine(Bend& bend, const Line& before, const Line& after, std::uint
                     const FitScale& scale) const noexcept {
   bend.s = h_.s[k_];
   bend.w = h_.w[k_];
-  const double ca = std::cos(before.theta), sa = std::sin(before.theta);
-  const double cb = std::cos(after.theta), sb = std::sin(after.theta);
+  const double ca = before.cosine, sa = before.sine, cb = after.cosine, sb = after.sine;
   const double cross = ca * sb - sa * cb;
   if (std::abs(cross) < 1e-9) return;
   const double t = ((after.u - before.u) * sb - (after.v - before.v) * cb) / cross;
@@ -141,7 +149,7 @@ void Window::refine(Bend& bend, const Line& before, const Line& after, std::uint
   const double wider = window > scale.least_window ? 2.0 * window / scale.least_window : 1.0;
   const double room = std::min(h_.s[k_] - h_.s[before_], h_.s[after_] - h_.s[k_]);
   const double limit = std::min(3.5 * scale.pitch * wider, 0.6 * room + scale.pitch);
-  if (std::hypot(u, v) > limit) return;
+  if (u * u + v * v > limit * limit) return;
   bend.s += u;
   bend.w += v;
 }
@@ -155,8 +163,8 @@ Bend Window::measure(std::uint32_t window, const FitScale& scale) const {
   bend.tau = bend.theta_after - bend.theta_before;
   bend.fitted = left_.n >= 3.0 && right_.n >= 3.0;
   const auto share = [&](double n, double length) { return 12.0 / (std::max(n, 2.0) * length * length); };
-  const double reach_before = (h_.s[k_] - h_.s[std::min(l_, k_ - 1)]) / std::max(0.05, std::cos(before.theta));
-  const double reach_after = (h_.s[std::max(r_, k_ + 1)] - h_.s[k_]) / std::max(0.05, std::cos(after.theta));
+  const double reach_before = (h_.s[k_] - h_.s[std::min(l_, k_ - 1)]) / std::max(0.05, before.cosine);
+  const double reach_after = (h_.s[std::max(r_, k_ + 1)] - h_.s[k_]) / std::max(0.05, after.cosine);
   bend.sigma_tau = scale.noise * std::sqrt(share(left_.n, reach_before) + share(right_.n, reach_after)) * kDegrees;
   refine(bend, before, after, window, scale);
 
@@ -169,8 +177,8 @@ Bend Window::measure(std::uint32_t window, const FitScale& scale) const {
   const double corner = broken_error(h_, l_, r_, bend.s, bend.w);
   bend.misfit = corner / std::max(1.0, all.n - 4.0) / (scale.noise * scale.noise + 2.5e-7);
   bend.sharpness = 0.5 * all.n * std::log(std::max(arc.error, least) / std::max(corner, least)) - 1.0;
-  const double slope = arc.slope;
-  bend.radius = std::pow(1.0 + slope * slope, 1.5) / std::max(2.0 * std::abs(arc.curvature), 1e-12);
+  const double stretch = 1.0 + arc.slope * arc.slope;
+  bend.radius = stretch * std::sqrt(stretch) / std::max(2.0 * std::abs(arc.curvature), 1e-12);
   return bend;
 }
 
