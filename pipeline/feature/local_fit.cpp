@@ -261,8 +261,9 @@ Bend fit_bend(const Heights& heights, std::uint32_t k, std::uint32_t before, std
 
 std::optional<Bend> find_bend(const Heights& heights, std::uint32_t k, const Reach& reach, const FitScale& scale) {
   constexpr double kClearSharpness = 2.0, kClearSignificance = 8.0, kArc = -1.0, kSureCorner = 4.0;
-  constexpr double kMisfit = 3.0;  // of the residuals' variance against that of the noise
-  constexpr double kStrong = 20.0; // degrees: what turns more is an edge even if its flanks are bent
+  constexpr double kStraight = 4.0; // degrees: what turns no more over a wider window was noise
+  constexpr double kMisfit = 3.0;   // of the residuals' variance against that of the noise
+  constexpr double kStrong = 20.0;  // degrees: what turns more is an edge even if its flanks are bent
   Window window(heights, k, reach.before, reach.after);
   std::optional<Bend> best;
   bool arc = false;
@@ -272,6 +273,7 @@ std::optional<Bend> find_bend(const Heights& heights, std::uint32_t k, const Rea
     if (window.samples() == samples) break;
     samples = window.samples();
     const Bend bend = window.measure(factor * scale.least_window, scale);
+    if (factor > 1 && std::abs(bend.tau) < kStraight) return std::nullopt;
     if (bend.sharpness < kArc && bend.significance() >= kLeastSignificance && bend.radius > scale.arc_radius) arc = true;
     if (factor > 1 && bend.misfit > kMisfit && best) break;
     if (bend.sharpness > kClearSharpness && bend.significance() > kClearSignificance) {
