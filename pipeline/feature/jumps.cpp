@@ -9,24 +9,15 @@ namespace scansion {
 
 namespace {
 
-constexpr double kWallSlope = 1.7320508;    // tan 60: a wall of 80 degrees with one sample on it looks no steeper than this
+constexpr double kWallSlope = 1.7320508;     // tan 60: a wall of 80 degrees with one sample on it looks no steeper than this
 constexpr std::uint32_t kMostIntervals = 16; // more are a slope that may be smooth
-constexpr double kBeside = 2.5;             // pitches from a step's cut to the wall that it stands for
-constexpr double kAtOnce = 1.1;             // and from that of a crease
-constexpr double kHole = 1.2;               // pitches from a column to its sample
-constexpr double kPhase = 0.27;             // of a pitch: samples often stand on columns or midway between them
+constexpr double kBeside = 2.5;              // pitches from a step's cut to the wall that it stands for
+constexpr double kAtOnce = 1.1;              // and from that of a crease
+constexpr double kHole = 1.2;                // pitches from a column to its sample
+constexpr double kPhase = 0.27;              // of a pitch: samples often stand on columns or midway between them
 
 double least_wall(const Sampling& sampling) noexcept {
   return std::max(8.0 * sampling.noise, 0.09);
-}
-
-/// The sample that stands for the column at `s`: the last one up to it.
-std::uint32_t sample_at(const PatchRow& row, double s, double pitch, std::uint32_t& k) noexcept {
-  const auto n = static_cast<std::uint32_t>(row.s.size());
-  while (k < n && row.s[k] <= s + kPhase * pitch) ++k;
-  const auto near = [&](std::uint32_t i) { return i < n && std::abs(row.s[i] - s) <= kHole * pitch; };
-  if (k > 0 && near(k - 1)) return k - 1;
-  return near(k) ? k : ColumnPair::kNone;
 }
 
 auto find_column(const auto& sorted, std::int64_t column) noexcept {
@@ -41,19 +32,27 @@ bool has(const auto& sorted, std::int64_t column) noexcept {
 
 } // namespace
 
-std::int64_t pair_columns(const PatchRow& before, const PatchRow& now, double pitch, std::vector<ColumnPair>& pairs) {
+void PatchRow::find_columns(double pitch) {
+  if (!standing.empty() || s.empty()) return;
+  const auto n = static_cast<std::uint32_t>(s.size());
+  first_column = static_cast<std::int64_t>(std::ceil(s.front() / pitch - kPhase));
+  const auto last = static_cast<std::int64_t>(std::floor(s.back() / pitch + kPhase));
+  std::uint32_t k = 0;
+  for (std::int64_t j = first_column; j <= last; ++j) {
+    // The last one up to it.
+    const double place = static_cast<double>(j) * pitch, limit = place + kPhase * pitch;
+    while (k < n && s[k] <= limit) ++k;
+    const auto near = [&](std::uint32_t i) { return std::abs(s[i] - place) <= kHole * pitch; };
+    standing.push_back(k > 0 && near(k - 1) ? k - 1 : k < n && near(k) ? k : kNoSample);
+  }
+}
+
+std::int64_t pair_columns(const PatchRow& before, const PatchRow& now, std::vector<ColumnPair>& pairs) {
   pairs.clear();
   if (before.s.empty() || now.s.empty()) return 0;
-  const auto first = static_cast<std::int64_t>(std::ceil(std::min(before.s.front(), now.s.front()) / pitch - kPhase));
-  const auto last = static_cast<std::int64_t>(std::floor(std::max(before.s.back(), now.s.back()) / pitch + kPhase));
-  std::uint32_t a = 0, b = 0;
-  for (std::int64_t j = first; j <= last; ++j) {
-    const double s = static_cast<double>(j) * pitch;
-    ColumnPair pair;
-    pair.before = sample_at(before, s, pitch, a);
-    pair.now = sample_at(now, s, pitch, b);
-    pairs.push_back(pair);
-  }
+  const std::int64_t first = std::min(before.first_column, now.first_column);
+  const std::int64_t end = std::max(before.end_column(), now.end_column());
+  for (std::int64_t j = first; j < end; ++j) pairs.push_back({before.at(j), now.at(j)});
   return first;
 }
 
@@ -121,7 +120,7 @@ void Jumps::across(const PatchRow& before, const PatchRow& now, const PatchRow* 
   find(before, now, first, pairs, sampling, here_);
   below_.clear();
   if (next != nullptr) {
-    const std::int64_t start = pair_columns(now, *next, pitch, pairs_);
+    const std::int64_t start = pair_columns(now, *next, pairs_);
     find(now, *next, start, pairs_, sampling, below_);
   }
   // Of a wall that shows samples, the first interval parts and the last one.

@@ -12,12 +12,13 @@ namespace scansion {
 
 /// A column in two successive rows: the sample of each that stands there, or kNone.
 struct ColumnPair {
-  static constexpr std::uint32_t kNone = 0xffffffffU;
+  static constexpr std::uint32_t kNone = PatchRow::kNoSample;
   std::uint32_t before = kNone, now = kNone;
 };
 
-/// The columns from `first` on that two rows span together, at multiples of the pitch. Fills `pairs`; returns the first column.
-std::int64_t pair_columns(const PatchRow& before, const PatchRow& now, double pitch, std::vector<ColumnPair>& pairs);
+/// The columns from `first` on that two rows span together, at multiples of the pitch; both know theirs. Fills `pairs`; returns
+/// the first column.
+std::int64_t pair_columns(const PatchRow& before, const PatchRow& now, std::vector<ColumnPair>& pairs);
 
 /// Thread-bound: holds scratch.
 class Jumps {

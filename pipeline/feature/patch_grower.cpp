@@ -318,9 +318,10 @@ void PatchGrower::close(const Sampling& sampling, bool all, FeatureReport& repor
   graph_.resolve();
 }
 
-void PatchGrower::assign(const PatchRow& row, const PatchRow* next, Cuts& cuts, const Sampling& sampling,
-                         FeatureReport& report) {
+void PatchGrower::assign(PatchRow& row, PatchRow* next, Cuts& cuts, const Sampling& sampling, FeatureReport& report) {
   if (pitch_ == 0.0) pitch_ = sampling.pitch;
+  row.find_columns(pitch_);
+  if (next != nullptr) next->find_columns(pitch_);
   cuts.at(last_c_, row.c, pitch_, in_line_, across_);
   if (!above_.empty() && row.c - last_c_ > kFar * sampling.spacing) end_rows();
   const bool begins = above_.empty();
@@ -328,7 +329,7 @@ void PatchGrower::assign(const PatchRow& row, const PatchRow* next, Cuts& cuts, 
   std::int64_t first_column = 0;
   pairs_.clear();
   if (!begins) {
-    first_column = pair_columns(last_row_, row, pitch_, pairs_);
+    first_column = pair_columns(last_row_, row, pairs_);
     jumps_.across(last_row_, row, next, first_column, pairs_, pitch_, sampling, across_);
   }
   split(row, sampling);

@@ -44,7 +44,7 @@ private:
     double open = 0.0, cut = 0.0;
   };
 
-  void assign(const PatchRow& row, const PatchRow* next, Cuts& cuts, const Sampling& sampling, FeatureReport& report);
+  void assign(PatchRow& row, PatchRow* next, Cuts& cuts, const Sampling& sampling, FeatureReport& report);
   void split(const PatchRow& row, const Sampling& sampling);
   void find_contacts();
   bool hold_borders(const PatchRow& row, const Sampling& sampling);
