@@ -64,9 +64,9 @@ class Recording:
             opcode, size = body[at], struct.unpack_from("<Q", body, at + 1)[0]
             message = body[at + 9 : at + 9 + size]
             at += 9 + size
-            # A message's header is 22 bytes; kind 0 is the line table.
-            if opcode == 0x05 and message[22:30] == self.MARK and message[31] == 0:
-                _, group, lines, _, first = struct.unpack_from("<IIHHQ", message, 22 + 12)
+            # A message's header is 22 bytes; place 0 is the line table. Numbers follow the fixed fields.
+            if opcode == 0x05 and message[22:30] == self.MARK and message[22 + 14] == 0:
+                group, lines, _, first = varints(message, 22 + 19, 4)
                 self.groups.append((group, first, lines))
 
     @property
@@ -78,6 +78,22 @@ class Recording:
             test.assertEqual(group, number)
             test.assertEqual(line, first)
             first += lines
+
+
+def varints(data, at, count):
+    """Numbers of seven bits a byte, the lowest first."""
+    out = []
+    while len(out) < count:
+        value = shift = 0
+        while True:
+            byte = data[at]
+            at += 1
+            value |= (byte & 0x7F) << shift
+            shift += 7
+            if byte < 0x80:
+                break
+        out.append(value)
+    return out
 
 
 class Daemon:

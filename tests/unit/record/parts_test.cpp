@@ -22,13 +22,13 @@ TEST(Metadata, FactsComeBack) {
   RecordingFacts f = facts(16);
   f.device = "A.b_c-9";
   f.lattice = {{1, 1}, {INT64_MIN, INT64_MAX, 0}, Unit::ft, Source::float32, true};
-  f.levels = {LevelSpec::Kind::explicit_list, 3, 3.0, 0.0, {1.0 / 3.0, 0.1, 1e-9}};
+  f.levels = {LevelSpec::Kind::explicit_list, 3, 3.0, 0.0, {1.0 / 3.0, 0.1, 1e-9}, {}};
   f.gap_mm = {};
   f.started_ns = INT64_MIN;
   f.rounding_mm = std::numeric_limits<double>::denorm_min();
   all.push_back(f);
   f.lattice = {{(std::int64_t{1} << 53) - 1, 127}, {1, -2, 3}, Unit::um, Source::float64, false};
-  f.levels = {LevelSpec::Kind::uniform, 5, 3.0, 0.7, {}};
+  f.levels = {LevelSpec::Kind::uniform, 5, 3.0, 0.7, {}, {}};
   f.stored_levels = 1;
   f.levels.floor = {0.5, true};
   all.push_back(f);
