@@ -21,11 +21,11 @@ constexpr std::size_t kMostFlank = 64;       // rows
 
 Columns::Columns(const Sampling& sampling) : pitch_(sampling.pitch) {
   // Narrow features want narrow windows; the noise decides how narrow.
-  const std::size_t wanted = FitScale::wanted_window(sampling.noise, sampling.spacing);
-  window_ = std::max(kNarrowest, (wanted + 2) / 3);
+  wanted_ = FitScale::wanted_window(sampling.noise, sampling.spacing);
+  window_ = std::max(kNarrowest, (wanted_ + 2) / 3);
   reach_ = std::max(kReach * window_, kLeastReach);
   const double rounding = FitScale::of(sampling.noise, sampling.spacing, sampling.coarse()).arc_radius / sampling.spacing;
-  flank_reach_ = std::max(reach_, std::min(kMostFlank, static_cast<std::size_t>(rounding) + wanted));
+  flank_reach_ = std::max(reach_, std::min(kMostFlank, static_cast<std::size_t>(rounding) + wanted_));
   ring_.resize(2 * lag() + 3);
 }
 
@@ -256,7 +256,7 @@ void Columns::harvest(std::int64_t r, const Sampling& sampling, std::vector<Colu
   const double length = n * sampling.spacing;
   const auto least = std::max(kLeastSlopeChange,
                               static_cast<float>(kLeastSignificance * scale.noise * std::sqrt(24.0 / (n * length * length))));
-  const auto near = std::max<std::int64_t>(1, static_cast<std::int64_t>(window_) / 2);
+  const auto near = std::max<std::int64_t>(1, static_cast<std::int64_t>(wanted_) / 2);
   const Row& centre = row(r);
   const bool wall_possible = has(r + 1);
   const WallTest test(scale);

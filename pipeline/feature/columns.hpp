@@ -66,7 +66,8 @@ private:
   [[nodiscard]] ColumnPoint column_point(std::int64_t r, std::size_t column, const FeaturePoint& feature) const;
 
   double pitch_ = 1.0, base_ = 0.0;
-  std::size_t window_ = 5;       // N: rows a side
+  std::size_t wanted_ = 5;       // N: rows a side of a fit
+  std::size_t window_ = 2;       // rows a side of the screening
   std::size_t reach_ = 10;       // rows a side that a fit may use
   std::size_t flank_reach_ = 10; // rows a side that hold the flanks of a rounded edge
   std::int64_t left_ = 0;        // number of the first column
