@@ -4,6 +4,7 @@
 #include "pipeline/feature/thinning.hpp"
 #include "tests/unit/feature/scan.hpp"
 
+#include <algorithm>
 #include <gtest/gtest.h>
 
 namespace scansion {
@@ -64,7 +65,7 @@ TEST(PublishedLine, SaysWhereItRunsIntoAnother) {
   ASSERT_EQ(lines.size(), 2U);
   const bool main_first = lines[0].length_mm > lines[1].length_mm;
   const FeatureLine &ridge = lines[main_first ? 0 : 1], &second = lines[main_first ? 1 : 0];
-  EXPECT_EQ(second.junctions, std::vector{ridge.id});
+  EXPECT_NE(std::find(second.junctions.begin(), second.junctions.end(), ridge.id), second.junctions.end());
   EXPECT_EQ(ridge.junctions, std::vector{second.id});
   EXPECT_TRUE(second.begins == FeatureEnd::junction || second.ends == FeatureEnd::junction);
   EXPECT_NE(ridge.begins, FeatureEnd::junction);
