@@ -80,7 +80,7 @@ void Union::decide(std::span<Track* const> tracks, double settled, const Samplin
   for (const Near& n : crosswise_) {
     if (n.point->verdict != Verdict::open || n.c > settled) continue;
     const bool steep = n.track->angle_to_lines(n.index) >= kShallow;
-    const bool twin = is_covered(crosswise_, n, 0.5 * sampling.pitch, kBeside * sampling.spacing, By::longer);
+    const bool twin = is_covered(crosswise_, n, kBeside * sampling.pitch, kBeside * sampling.spacing, By::longer);
     const bool drop = steep || twin || is_covered(lengthwise_, n, reach, reach, By::any);
     n.point->verdict = drop ? Verdict::dropped : Verdict::kept;
   }
