@@ -260,7 +260,9 @@ void Columns::harvest(std::int64_t r, const Sampling& sampling, std::vector<Colu
   const Row& centre = row(r);
   const bool wall_possible = has(r + 1);
   const WallTest test(scale);
-  const auto wall = static_cast<float>(test.noise); // every interval of a wall is larger
+  // Every interval of a wall is larger.
+  const double apart = wall_possible ? row(r + 1).c - centre.c : 0.0;
+  const auto wall = static_cast<float>(std::max(test.noise, 0.49 * apart));
   const float* const below = wall_possible ? row(r + 1).height.data() : centre.height.data();
   // Most blocks show nothing.
   for (std::size_t block = 0; block < width_; block += kBlock) {

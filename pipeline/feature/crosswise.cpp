@@ -120,6 +120,10 @@ void CrosswiseLinker::retire(double settled, double pitch, const Sampling& sampl
     any = true;
   }
   if (!any) return;
+  // The index passes over tracks that ended; it is made anew when they are many.
+  constexpr std::ptrdiff_t kMany = 32;
+  const auto ended_ones = std::count_if(live_.begin(), live_.end(), [](const Track& t) { return t.points.empty(); });
+  if (ended_ones < kMany && 4 * ended_ones < static_cast<std::ptrdiff_t>(live_.size())) return;
   std::erase_if(live_, [](const Track& t) { return t.points.empty(); });
   rebuild_index();
 }
