@@ -14,6 +14,8 @@ namespace {
 
 constexpr double kDropout = 3.5;            // pitches between samples that still belong together
 constexpr std::int64_t kCloseAfter = 2;     // rows without a sample
+constexpr double kWide = 6.0;               // columns
+constexpr double kMostlyCut = 0.4;          // share of open columns below which a wide stretch begins a patch
 constexpr std::int64_t kSettleAfter = 48;   // rows: by then small neighbours are dissolved
 constexpr std::int64_t kSettleAtLast = 256; // rows: neighbours that still grow are taken as they are
 constexpr std::int64_t kForgetAtLast = 512; // rows
@@ -68,6 +70,8 @@ void PatchGrower::find_contacts() {
   for (std::size_t i = 0; i < now_.size(); ++i) {
     const Stretch& b = now_[i];
     while (first < above_.size() && above_[first].s_high < b.s_low - pitch_) ++first;
+    const auto known = static_cast<std::ptrdiff_t>(contacts_.size());
+    double all_open = 0.0, all_cut = 0.0;
     for (std::size_t j = first; j < above_.size() && above_[j].s_low <= b.s_high; ++j) {
       const Stretch& a = above_[j];
       const auto from = static_cast<std::int64_t>(std::ceil(std::max(a.s_low, b.s_low) / pitch_));
@@ -79,8 +83,13 @@ void PatchGrower::find_contacts() {
       const auto cut = static_cast<double>(high - low);
       const double open = static_cast<double>(to - from + 1) - cut;
       const double least = to - from + 1 <= 2 ? 1.0 : 2.0;
+      all_open += open;
+      all_cut += cut;
       if (open >= least && open >= kNarrow * (open + cut)) contacts_.push_back({i, j, a.patch, open, cut});
     }
+    // A wall stands along most of it: where it lies beside the wall's ends, it touches nothing.
+    if (all_open + all_cut >= kWide && all_open < kMostlyCut * (all_open + all_cut))
+      contacts_.erase(contacts_.begin() + known, contacts_.end());
   }
 }
 
