@@ -158,6 +158,13 @@ void PatchGrower::follow_cuts() {
   }
 }
 
+// Patches that go on side by side touch along most of the smaller stretch; what stands askew on a wall touches with a corner.
+bool PatchGrower::touches_askew(const Contact& contact) const {
+  constexpr double kMost = 0.5;
+  const auto columns = [&](const Stretch& t) { return (t.s_high - t.s_low) / pitch_ + 1.0; };
+  return contact.open < kMost * std::min(columns(now_[contact.stretch]), columns(above_[contact.above]));
+}
+
 // Unites the stretches of this row with those of the row before.
 void PatchGrower::link(const Sampling& sampling, FeatureReport& report) {
   // The widest open contact gives a stretch its patch.
@@ -170,7 +177,7 @@ void PatchGrower::link(const Sampling& sampling, FeatureReport& report) {
   }
   for (const Contact& c : contacts_) {
     const std::uint32_t own = graph_.find(now_[c.stretch].patch), other = graph_.find(c.patch);
-    if (own == other) continue;
+    if (own == other || touches_askew(c)) continue;
     if (is_leak(own, other, sampling)) {
       for (const auto& [a, b] : {std::pair{own, other}, std::pair{other, own}}) {
         graph_.node(a).borders[b].contact += sampling.spacing;

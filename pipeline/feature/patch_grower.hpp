@@ -50,6 +50,7 @@ private:
   bool hold_borders(const PatchRow& row, const Sampling& sampling);
   [[nodiscard]] bool is_leak(std::uint32_t a, std::uint32_t b, const Sampling& sampling);
   void follow_cuts();
+  [[nodiscard]] bool touches_askew(const Contact& contact) const;
   void link(const Sampling& sampling, FeatureReport& report);
   void measure(const PatchRow& row, const Sampling& sampling);
   void measure_across(const PatchRow& row, std::int64_t first_column);
