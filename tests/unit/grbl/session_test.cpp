@@ -169,7 +169,7 @@ TEST(GrblSession, ReportsOnTheirWayWhileItUnlocksAreNoNewAlarm) {
       bench.connect();
       ASSERT_TRUE(bench.until_sent("G38", 3));
       ASSERT_TRUE(bench.until_sent("G53G0Z", 3));
-      const Ns begin = bench.now() + beat * 25 * kMs;
+      const Ns begin = bench.now() + Ns{25} * beat * kMs;
       ASSERT_TRUE(bench.run([&] { return bench.now() >= begin; }));
       bench.firmware().set_pin_stuck(true);
       const bool unlocks = bench.until_sent("$X");
