@@ -18,9 +18,10 @@ enum class Wanted : std::uint8_t {
   leave ///< come to rest; the device will be closed
 };
 
-/// Lines of a device's newest run on disk, from line 0 as far as none is missing.
+/// Lines of a device's newest scan on disk, from line 0 as far as none is missing. Of several runs over it, each of which began
+/// with the lines of before, that of the run that came farthest.
 struct EarlierScan {
-  std::string file; ///< the newest of that run
+  std::string file; ///< the last of that run
   Lattice lattice;
   std::vector<LineBuffer> lines;
 };

@@ -1,4 +1,4 @@
-// The lines of a device's newest run, read back from the recording directory.
+// The lines of the newest scan of a device, read back from the recording directory.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -7,8 +7,9 @@
 
 namespace scansion {
 
-/// Goes back over the files of one run, which begin where the one before ended, to its line 0. At most `most` lines. Empty:
-/// there is no recording of the device, or none whose beginning is left.
+/// Of the runs that went on with one another, each beginning with the lines of before, the one that came farthest: its last
+/// line is the newest. Goes back over its files, which begin where the one before ended, to line 0. At most `most` lines.
+/// Empty: there is no recording of the device, or none whose beginning is left.
 [[nodiscard]] Result<std::optional<EarlierScan>> find_earlier_scan(const JournalDirectory& directory, std::string_view device,
                                                                    std::size_t most);
 

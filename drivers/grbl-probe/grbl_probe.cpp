@@ -49,8 +49,8 @@ public:
     heights_ = HeightMap(raster_);
     done_.put_heights(heights_);
     const bool has_begun = has_touched_ || !done_.is_empty();
-    session_.emplace(options_.session, raster_, heights_, Progress{done_.count(), has_begun, has_probed_}, *counters_,
-                     transport_->now().monotonic_ns);
+    const Progress progress{done_.count(), has_begun, has_probed_, is_recorded_ && !has_probed_};
+    session_.emplace(options_.session, raster_, heights_, progress, *counters_, transport_->now().monotonic_ns);
     const Ns give_up = transport_->now().monotonic_ns + kGreetingNs;
     while (!session_->is_ready()) {
       if (session_->failure()) return failed();
@@ -121,6 +121,7 @@ private:
     if (scan.lines.size() >= raster_.rows()) return; // that raster is whole: this is another
     // One that is not of this raster is left alone.
     if (auto taken = done_.take_over(scan.lattice, scan.lines); !taken) done_.clear();
+    is_recorded_ = !done_.is_empty();
   }
 
   /// Sends what is to be sent, then lets bytes come until `until`, or the session wants to go on.
@@ -200,6 +201,7 @@ private:
   std::shared_ptr<LinkCounters> counters_ = std::make_shared<LinkCounters>();
   DriverHost* host_ = nullptr;
   bool wants_earlier_ = true;
+  bool is_recorded_ = false; ///< the rows that this driver began with
 
   HeightMap heights_;
   DoneRows done_;

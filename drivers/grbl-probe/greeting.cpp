@@ -222,8 +222,8 @@ std::string Session::doubt_about_position() const {
            "position is lost";
   }
   // Otherwise it is of the row that was in work, or of the end of the row before.
-  const std::uint32_t last = std::min(row_, raster_.rows() - 1);
-  for (std::uint32_t row = last - std::min(last, 1U); row <= last; ++row) {
+  const std::uint32_t last = std::min(row_ + (progress_.is_recorded ? 1U : 0U), raster_.rows() - 1);
+  for (std::uint32_t row = row_ - std::min(row_, 1U); row <= last; ++row) {
     for (std::uint32_t column = 0; column < raster_.columns(); ++column) {
       if (is_at(last_probe_->at, row, column)) return {};
     }

@@ -48,9 +48,10 @@ struct Row {
 
 /// How far a raster has come, in this process or in a recording.
 struct Progress {
-  std::uint32_t rows = 0;  ///< complete ones
-  bool has_begun = false;  ///< the machine has touched the part: coordinates must still be those of then
-  bool has_probed = false; ///< a probe cycle was sent: the tip may stand on the part
+  std::uint32_t rows = 0;   ///< complete ones
+  bool has_begun = false;   ///< the machine has touched the part: coordinates must still be those of then
+  bool has_probed = false;  ///< a probe cycle was sent: the tip may stand on the part
+  bool is_recorded = false; ///< rows are those on disk: one more may have been done and lost with the open group
 };
 
 struct SessionCounts {

@@ -4,6 +4,7 @@
 import json
 import os
 import random
+import re
 import subprocess
 import time
 import unittest
@@ -220,6 +221,31 @@ class Resume(ProbeTest):
         self.check_whole([path for path in daemon.files() if path.endswith(".mcap")][-1])
         # Rows of before were not probed again.
         self.assertEqual(daemon.log_text().count("lines of an earlier run"), 1)
+
+    def test_killed_again_while_it_repeats_rows(self):
+        """However little of the rows of before a run had recorded again: none is probed twice."""
+        rows, columns = 40, 5
+        self.heights = write_part(self.part, rows, columns)
+        self.simulate(speed=20)
+        device = self.probe(x_to=(columns - 1) * 2.5, y_to=(rows - 1) * 2.5, resume=True)
+        self.running = daemon = self.daemon([device], recording="group_ms = 20").start()  # a row a group
+        daemon.until_written(20)
+        daemon.kill()
+        rng = random.Random(9)
+        for _ in range(6):
+            before = len(daemon.files())
+            daemon.start(wait=False)
+            daemon.until(lambda: len(daemon.files()) > before, "rows of before are recorded again")
+            time.sleep(rng.uniform(0, 0.05))
+            daemon.kill()
+        daemon.start()
+        daemon.until_state("finished")
+        daemon.stop(self)
+        found = [int(n) for n in re.findall(r"holds (\d+) lines of an earlier run", daemon.log_text())]
+        self.assertEqual(len(found), 7)
+        self.assertGreaterEqual(found[0], 20)
+        self.assertEqual(found, sorted(found))
+        self.check_whole(recordings(daemon)[-1])
 
     def test_unplugged_at_random_moments(self):
         """The controller has its own supply and is not reset by the port: the raster goes on where it was."""

@@ -117,6 +117,19 @@ TEST(GrblSession, GoesOnOnlyWhereItsLastProbeCycleWas) {
   EXPECT_EQ(again(elsewhere, true), "whole");
 }
 
+TEST(GrblSession, GoesOnARowBehindWhatAKilledDaemonHadWritten) {
+  for (const bool is_recorded : {false, true}) {
+    Bench bench;
+    bench.connect();
+    ASSERT_TRUE(bench.until_sent("G38", 8));
+    ASSERT_EQ(bench.rows().size(), 1U); // lost with the group that was open
+    bench.leave_alone(30 * kS);
+    bench.connect({.rows = 0, .has_begun = true, .is_recorded = is_recorded});
+    EXPECT_EQ(bench.finish(), is_recorded) << bench.failure();
+    EXPECT_EQ(bench.failure().find("last probe cycle") == std::string::npos, is_recorded) << bench.failure();
+  }
+}
+
 TEST(GrblSession, PredecessorsHalfLineAndMotionDoNoHarm) {
   Bench bench;
   const std::string_view left = "G21G91\nG1F200X1\nG1X1\nG53G0X";
