@@ -97,11 +97,12 @@ class PortDriverTest(DaemonTest):
             point = next((p for p in zip(got[at], want[at]) if p[0] != p[1]), (got[at][-1:], want[at][-1:]))
             self.fail(f"line {at}: {len(got[at])} points for {len(want[at])}, {point[0]} instead of {point[1]}")
 
-    def record(self, device, lines, raw=True):
+    def raw_path(self):
+        return os.path.join(self.folder, "d.raw")
+
+    def record(self, device, lines):
         """Runs the daemon until so many lines are written; the recording's path."""
-        if raw:
-            device = dict(device, raw=os.path.join(self.folder, "d.raw"))
-        daemon = self.daemon([device]).start()
+        daemon = self.daemon([dict(device, raw=self.raw_path())]).start()
         status = daemon.until_written(lines)
         daemon.stop(self)
         (path,) = recordings(daemon)
@@ -111,7 +112,7 @@ class PortDriverTest(DaemonTest):
     def check_transcript(self, device, path, lines):
         """The raw transcript gives the same recording bytes."""
         again = {k: v for k, v in device.items() if k not in ("tcp", "udp", "port", "file", "raw")}
-        again["transcript"] = os.path.join(self.folder, "d.raw")
+        again["transcript"] = self.raw_path()
         daemon = Daemon(self.folder, [again], directory=os.path.join(self.folder, "again"))
         self.addCleanup(daemon.kill)
         daemon.start()
@@ -119,6 +120,7 @@ class PortDriverTest(DaemonTest):
         daemon.until_state("finished")
         daemon.stop(self)
         (copy,) = recordings(daemon)
+        self.assertEqual(os.path.basename(path), os.path.basename(copy))
         with open(path, "rb") as a, open(copy, "rb") as b:
             self.assertTrue(a.read() == b.read(), "the transcript gives other bytes")
 

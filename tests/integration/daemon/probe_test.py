@@ -9,8 +9,8 @@ import subprocess
 import time
 import unittest
 
-from harness import PATIENCE, DaemonTest
-from port_driver_kit import LONG, recordings
+from harness import PATIENCE
+from port_driver_kit import LONG, PortDriverTest, recordings
 from simulator import cpu_seconds, descriptors, memory_kib
 
 SIMULATOR = os.environ["SCANSIM"]
@@ -34,7 +34,7 @@ def write_part(path, rows=5, columns=9):
     return heights
 
 
-class ProbeTest(DaemonTest):
+class ProbeTest(PortDriverTest):
     def setUp(self):
         super().setUp()
         self.part = os.path.join(self.folder, "part.xyz")
@@ -90,39 +90,26 @@ class ProbeTest(DaemonTest):
 
 
 class Raster(ProbeTest):
-    def check_transcript(self, raw, path, **options):
-        """Played again, the bytes that came give the same recording."""
-        replay = os.path.join(self.folder, "again")
-        os.mkdir(replay)
-        device = self.probe(transcript=raw, **options)
-        del device["port"]
-        again = self.daemon([device], directory=replay).start()
-        again.until_state("finished")
-        again.stop(self)
-        (copy,) = recordings(again)
-        with open(path, "rb") as live, open(copy, "rb") as file:
-            self.assertTrue(file.read() == live.read(), "the same bytes as live")
-
     def test_at_maximum_speed_and_its_transcript(self):
-        self.simulate()
-        raw = os.path.join(self.folder, "machine.raw")
-        daemon = self.run_daemon(self.probe(raw=raw))
-        daemon.until_state("finished")
-        daemon.stop(self)
-        (path,) = recordings(daemon)
-        self.check_sound(path)
-        self.check_whole(path)
-        self.check_transcript(raw, path)
+        for where in ({"port": self.link}, {"tcp": "127.0.0.1:47124"}):
+            with self.subTest(**where):
+                self.setUp()
+                tcp = where.get("tcp")
+                self.simulate(port=["--tcp", tcp] if tcp else None)
+                device = {k: v for k, v in self.probe().items() if k != "port" or not tcp}
+                device.update({"tcp": tcp} if tcp else {})
+                path, _ = self.record(device, 5)
+                self.check_whole(path)
+                self.check_transcript(device, path, 5)
 
     @unittest.skipUnless(LONG, "takes minutes: SCANSION_LONG=1")
     def test_at_the_speed_of_a_real_machine(self):
         rows, columns = 13, 21
         self.heights = write_part(self.part, rows, columns)
         self.simulate(speed=1)
-        raw = os.path.join(self.folder, "machine.raw")
-        area = {"x_to": (columns - 1) * 2.5, "y_to": (rows - 1) * 2.5}
+        device = self.probe(x_to=(columns - 1) * 2.5, y_to=(rows - 1) * 2.5)
         begin = time.monotonic()
-        daemon = self.run_daemon(self.probe(raw=raw, **area))
+        daemon = self.run_daemon(dict(device, raw=self.raw_path()))
         for row in range(rows):  # each row has a minute
             daemon.until(lambda: (d := daemon.device())["lines"] > row or d["state"] == "finished", f"row {row}")
         daemon.until_state("finished")
@@ -131,7 +118,7 @@ class Raster(ProbeTest):
         (path,) = recordings(daemon)
         self.check_sound(path)
         self.check_whole(path)
-        self.check_transcript(raw, path, **area)
+        self.check_transcript(device, path, rows)
 
     def test_at_the_machines_own_speed_over_tcp(self):
         # Twenty times a real machine, so that acceleration, overshoot and Run are all there but the test is short.

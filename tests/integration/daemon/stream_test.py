@@ -72,14 +72,21 @@ class Stream(PortDriverTest):
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
             probe.bind(("127.0.0.1", 0))
             port = probe.getsockname()[1]
-        daemon = self.daemon([self.device(udp=f"127.0.0.1:{port}")]).start()
+        device = self.device(udp=f"127.0.0.1:{port}")
+        daemon = self.daemon([dict(device, raw=self.raw_path())]).start()
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as link:
             daemon.until(lambda: daemon.device()["state"] in ("streaming", "stale", "starting"), "it listens")
             for line in scan:
                 link.sendto("".join(" ".join(p) + "\n" for p in line).encode() + b"\n", ("127.0.0.1", port))
-        daemon.until_written(100)
+        self.ended(daemon, device, scan)
+
+    def ended(self, daemon, device, scan):
+        """Everything came; so it does from the transcript."""
+        daemon.until_written(len(scan))
         daemon.stop(self)
-        self.difference(exported(recordings(daemon)[0]), self.counts(scan))
+        (path,) = recordings(daemon)
+        self.difference(exported(path), self.counts(scan))
+        self.check_transcript(device, path, len(scan))
 
     def test_file_with_a_last_line_without_an_end(self):
         scan = self.scan(30)
@@ -87,19 +94,20 @@ class Stream(PortDriverTest):
             text = source.read().rstrip("\n") + "\n"
         with open(self.scan_path, "w") as out:
             out.write(text)
-        path, _ = self.record(self.device(file=self.scan_path), 30, raw=False)
+        device = self.device(file=self.scan_path)
+        path, _ = self.record(device, 30)
         self.difference(exported(path), self.counts(scan))
+        self.check_transcript(device, path, 30)
 
     def test_fifo(self):
         scan = self.scan(30)
         fifo = os.path.join(self.folder, "fifo")
         os.mkfifo(fifo)
-        daemon = self.daemon([self.device(file=fifo)]).start()
+        device = self.device(file=fifo)
+        daemon = self.daemon([dict(device, raw=self.raw_path())]).start()
         with open(self.scan_path) as source, open(fifo, "w") as out:
             out.write(source.read())
-        daemon.until_written(30)
-        daemon.stop(self)
-        self.difference(exported(recordings(daemon)[0]), self.counts(scan))
+        self.ended(daemon, device, scan)
 
     def test_no_wrong_point_is_accepted_under_noise(self):
         want = self.counts(self.scan(400, points=50))
