@@ -3,6 +3,7 @@
 #pragma once
 
 #include "pipeline/codec/bits.hpp"
+#include "pipeline/codec/log2_fixed.hpp"
 #include "pipeline/codec/tokens.hpp"
 
 #include <span>
@@ -17,14 +18,18 @@ using Frequencies = std::array<std::uint16_t, kTokens>; ///< sum kTotal; 0 for t
 /// Each frequency as a coarse logarithm, which is what is sent: 0 for none, else 1 to kMaxClass.
 using Classes = std::array<std::uint8_t, kTokens>;
 inline constexpr std::uint8_t kMaxClass = 48;
+/// Classes are a quarter of an octave wide: (4 + m) * 2^e for class 4 e + m + 1.
+[[nodiscard]] constexpr std::uint32_t weight_of(std::uint8_t k) noexcept {
+  return k == 0 ? 0 : (4U + (k - 1U) % 4U) << ((k - 1U) / 4U);
+}
 
-/// log2(x) in units of 1/4096, x > 0. The same on every machine.
-[[nodiscard]] std::uint32_t log2_fixed(std::uint32_t x) noexcept;
-inline constexpr unsigned kLogBits = 12;
+/// What `counts` cost when coded with their own frequencies, table included, in units of 1/4096 bit; only the first `tokens`
+/// occur.
+[[nodiscard]] std::uint64_t coded_cost(const TokenCounts& counts, std::size_t tokens) noexcept;
+/// The same for both together.
+[[nodiscard]] std::uint64_t coded_cost(const TokenCounts& a, const TokenCounts& b, std::size_t tokens) noexcept;
 
-/// What `counts`, by token, cost when coded with their own frequencies, table included, in units of 1/4096 bit.
-[[nodiscard]] std::uint64_t coded_cost(std::span<const std::uint32_t> counts) noexcept;
-
+/// The classes for which table and tokens together are about the cheapest.
 [[nodiscard]] Classes classes_of(const TokenCounts& counts) noexcept;
 /// False when no token occurs.
 [[nodiscard]] bool frequencies_of(const Classes& classes, Frequencies& out) noexcept;

@@ -9,12 +9,6 @@ void add(TokenCounts& to, const TokenCounts& counts, std::size_t tokens) noexcep
   for (std::size_t t = 0; t < tokens; ++t) to[t] += counts[t];
 }
 
-std::uint64_t cost_of_both(const TokenCounts& a, const TokenCounts& b, std::size_t tokens) noexcept {
-  TokenCounts both;
-  for (std::size_t t = 0; t < tokens; ++t) both[t] = a[t] + b[t];
-  return coded_cost(std::span(both).first(tokens));
-}
-
 } // namespace
 
 void SymbolWriter::clear() noexcept {
@@ -29,19 +23,23 @@ void SymbolWriter::clear() noexcept {
 void SymbolWriter::choose_tables() {
   struct Span {
     std::size_t end;         // contexts of the table end here
+    std::size_t tokens;      // which the table has
     std::uint64_t cost;      // of the table and its tokens
     std::uint64_t with_next; // of one table for this and the next
   };
   std::array<Span, kMaxContexts> spans;
   std::size_t n = 0;
-  const std::size_t tokens = last_token_ + 1;
+  const auto cost_with_next = [&](std::size_t s) {
+    return coded_cost(merged_[s], merged_[s + 1], std::max(spans[s].tokens, spans[s + 1].tokens));
+  };
   for (std::uint64_t used = used_; used != 0; used &= used - 1) {
     const auto c = static_cast<std::size_t>(std::countr_zero(used));
-    const std::uint64_t cost = coded_cost(std::span(counts_[c]).first(tokens));
+    std::size_t tokens = last_token_ + 1;
+    while (counts_[c][tokens - 1] == 0) --tokens;
     merged_[n] = counts_[c];
-    spans[n++] = {c + 1, cost, 0};
+    spans[n++] = {c + 1, tokens, coded_cost(counts_[c], tokens), 0};
   }
-  for (std::size_t s = 0; s + 1 < n; ++s) spans[s].with_next = cost_of_both(merged_[s], merged_[s + 1], tokens);
+  for (std::size_t s = 0; s + 1 < n; ++s) spans[s].with_next = cost_with_next(s);
   while (n > 1) {
     std::size_t best = 0;
     std::int64_t best_gain = std::numeric_limits<std::int64_t>::min();
@@ -53,15 +51,15 @@ void SymbolWriter::choose_tables() {
       }
     }
     if (best_gain < 0 && n <= kMaxTables) break;
-    add(merged_[best], merged_[best + 1], tokens);
-    spans[best] = {spans[best + 1].end, spans[best].with_next, 0};
+    add(merged_[best], merged_[best + 1], spans[best + 1].tokens);
+    spans[best] = {spans[best + 1].end, std::max(spans[best].tokens, spans[best + 1].tokens), spans[best].with_next, 0};
     for (std::size_t s = best + 1; s + 1 < n; ++s) {
       spans[s] = spans[s + 1];
       merged_[s] = merged_[s + 1];
     }
     --n;
-    if (best + 1 < n) spans[best].with_next = cost_of_both(merged_[best], merged_[best + 1], tokens);
-    if (best > 0) spans[best - 1].with_next = cost_of_both(merged_[best - 1], merged_[best], tokens);
+    if (best + 1 < n) spans[best].with_next = cost_with_next(best);
+    if (best > 0) spans[best - 1].with_next = cost_with_next(best - 1);
   }
   cost_ = 0;
   std::size_t context = 0;
