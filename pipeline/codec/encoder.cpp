@@ -224,8 +224,8 @@ void GroupEncoder::Impl::write_rest(const LineGroup& group, Bytes& to) {
   }
   if (scales[along].even) fill_even(group.runs, state.u[along]);
   neighbours.find(group, state, scales[along], scales[along].even ? state.u[along] : rest_axes[along].chord);
-  rest_residuals.resize(points);
-  rest_contexts.resize(points);
+  rest_residuals.resize(points + SymbolWriter::kStride);
+  rest_contexts.resize(points + SymbolWriter::kStride);
   for (std::size_t axis = 0; axis < 3; ++axis)
     if (!scales[axis].even) write_rest_axis(group, axis, to);
 }
@@ -247,7 +247,7 @@ void GroupEncoder::Impl::write_rest_axis(const LineGroup& group, std::size_t axi
   fitted_residuals(group, state.known, with_above ? &neighbours : nullptr, weights, u, at, rest_residuals, rest_contexts);
   symbols.clear();
   visit_rest(group, state.known, neighbours, [&](const RestLine&, PointIndex, PointIndex from, PointIndex end) {
-    symbols.put(std::span(rest_residuals).subspan(from, end - from), std::span(rest_contexts).subspan(from, end - from));
+    symbols.put(rest_residuals.data() + from, rest_contexts.data() + from, end - from);
   });
   const std::size_t start = to.size();
   to.push_back(static_cast<std::byte>(with_above ? RestMode::fitted : RestMode::line));

@@ -9,17 +9,7 @@
 #include <cmath>
 
 namespace scansion {
-namespace {
-
-std::int64_t guess(const Weights& weights, const WeightFit::Row& deviations, std::size_t count) noexcept {
-  std::int64_t sum = std::int64_t{1} << (kWeightBits - 1);
-  for (std::size_t k = 0; k < count; ++k) sum += std::int64_t{weights[k]} * deviations[k];
-  return sum >> kWeightBits;
-}
-
-} // namespace
-
-Weights WeightFit::solve(Normal l, std::size_t count) const noexcept {
+Weights WeightFit::solve(Normal l, std::size_t count) noexcept {
   // Cholesky with a small ridge: neighbours that never differ from their chord get weight 0.
   double trace = 0;
   for (std::size_t i = 0; i < count; ++i) trace += l[i][i];
@@ -49,11 +39,13 @@ Weights WeightFit::solve(Normal l, std::size_t count) const noexcept {
   return out;
 }
 
-std::uint64_t WeightFit::cost(const Weights& weights, std::size_t count) const noexcept {
+std::uint64_t WeightFit::cost(const Weights& weights, std::size_t count, std::vector<std::int32_t>& left) const {
+  std::array<double, kColumns> w{};
+  std::copy_n(weights.begin(), count, w.begin());
+  left.resize(rows_.size());
+  kernels::left_over(rows_.data()->data(), w.data(), left.data(), rows_.size());
   std::uint64_t sum = 0;
-  for (const Sample& s : rows_) {
-    sum += log2_fixed(2 * static_cast<std::uint32_t>(size_of(wrap(s.target - guess(weights, s.deviations, count)))) + 1);
-  }
+  for (const std::int32_t l : left) sum += log2_fixed(2 * static_cast<std::uint32_t>(size_of(l)) + 1);
   return sum;
 }
 
@@ -62,9 +54,9 @@ std::uint64_t WeightFit::cost(const Weights& weights, std::size_t count) const n
 void WeightFit::measure() {
   sizes_.clear();
   for (const Sample& s : rows_) {
-    double size = std::abs(static_cast<double>(s.target));
-    for (const std::int32_t d : std::span(s.deviations).first<kLeft>()) size += std::abs(static_cast<double>(d));
-    for (const std::int32_t d : std::span(s.deviations).subspan<kLineWeights>()) size += std::abs(static_cast<double>(d));
+    double size = 0;
+    for (std::size_t k = 0; k < s.size(); ++k)
+      size += k < kLeft || k >= kLineWeights ? std::abs(static_cast<double>(s[k])) : 0;
     sizes_.push_back(size / (kWeights - kMeans + 1));
   }
   usual_.assign(sizes_.begin(), sizes_.end());
@@ -75,20 +67,13 @@ void WeightFit::measure() {
 }
 
 // With weights at hand a row counts by what they leave of it, too.
-WeightFit::Normal WeightFit::normal_of(const Weights* first, std::size_t count) const noexcept {
+WeightFit::Normal WeightFit::normal_of(const std::int32_t* left, std::size_t count) const noexcept {
   Normal normal{};
-  const std::size_t stride = first != nullptr ? 2 : 1;
+  const std::size_t stride = left != nullptr ? 2 : 1;
   for (std::size_t row = 0; row < rows_.size(); row += stride) {
-    const Sample& s = rows_[row];
-    std::array<double, kColumns> x{};
-    std::ranges::copy(s.deviations, x.begin());
-    x[kWeights] = s.target;
     double square = sizes_[row] * sizes_[row];
-    if (first != nullptr) {
-      const double left = wrap(s.target - guess(*first, s.deviations, count));
-      square = (square + left * left) / 2;
-    }
-    kernels::add_products(x.data(), 1.0 / (square + floor_), normal[0].data(), count);
+    if (left != nullptr) square = (square + static_cast<double>(left[row]) * static_cast<double>(left[row])) / 2;
+    kernels::add_products(rows_[row].data(), 1.0 / (square + floor_), normal[0].data(), count);
   }
   return normal;
 }
@@ -102,18 +87,19 @@ WeightFit::Fitted WeightFit::solve() {
   constexpr std::uint64_t kWorth = 128;
   std::size_t count = kLineWeights;
   Weights first = solve(normal, count);
-  std::uint64_t first_cost = cost(first, count);
+  std::uint64_t first_cost = cost(first, count, best_left_);
   std::uint64_t limit = first_cost - first_cost / kWorth;
   for (const std::size_t more : {kLineWeights + kBeside, kWeights}) {
     const Weights weights = solve(normal, more);
-    const std::uint64_t now = cost(weights, more);
+    const std::uint64_t now = cost(weights, more, left_);
     if (now >= limit) continue;
     count = more;
     first = weights;
+    best_left_.swap(left_);
     first_cost = limit = now;
   }
-  const Weights second = solve(normal_of(&first, count), count);
-  return {cost(second, count) < first_cost ? second : first, count > kLineWeights};
+  const Weights second = solve(normal_of(best_left_.data(), count), count);
+  return {cost(second, count, left_) < first_cost ? second : first, count > kLineWeights};
 }
 
 } // namespace scansion

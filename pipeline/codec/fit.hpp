@@ -12,7 +12,11 @@ public:
   using Row = std::array<std::int32_t, kWeights>;
 
   void clear() noexcept { rows_.clear(); }
-  void add(const Row& deviations, std::int32_t target) { rows_.push_back({deviations, target}); }
+  void add(const Row& deviations, std::int32_t target) {
+    Sample& s = rows_.emplace_back();
+    std::ranges::copy(deviations, s.begin());
+    s[kWeights] = target;
+  }
   struct Fitted {
     Weights weights;
     bool with_above; ///< else only the first kLineWeights count
@@ -21,19 +25,17 @@ public:
   [[nodiscard]] Fitted solve();
 
 private:
-  struct Sample {
-    Row deviations;
-    std::int32_t target;
-  };
-  static constexpr std::size_t kColumns = 16; // the weights, the right side, nothing
+  static constexpr std::size_t kColumns = 16; // the deviations, the target, nothing
+  using Sample = std::array<std::int32_t, kColumns>;
   using Normal = std::array<std::array<double, kColumns>, kWeights>;
   void measure();
-  [[nodiscard]] Normal normal_of(const Weights* first, std::size_t count) const noexcept;
-  [[nodiscard]] Weights solve(Normal normal, std::size_t count) const noexcept;
-  [[nodiscard]] std::uint64_t cost(const Weights& weights, std::size_t count) const noexcept;
+  [[nodiscard]] Normal normal_of(const std::int32_t* left, std::size_t count) const noexcept;
+  [[nodiscard]] static Weights solve(Normal normal, std::size_t count) noexcept;
+  [[nodiscard]] std::uint64_t cost(const Weights& weights, std::size_t count, std::vector<std::int32_t>& left) const;
   std::vector<Sample> rows_;
   std::vector<double> sizes_; ///< mean size of what stands in each row
   std::vector<double> usual_;
+  std::vector<std::int32_t> left_, best_left_; ///< of each row, by weights
   double floor_ = 1.0;
 };
 

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/codec/kernels.hpp"
 
+#include "pipeline/codec/tokens.hpp"
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -75,21 +77,46 @@ SCANSION_INLINE void contexts_body(const std::int32_t* size, const std::int32_t*
   above != nullptr ? contexts_loop<true>(size, above, context, n) : contexts_loop<false>(size, above, context, n);
 }
 
+using Four = double __attribute__((vector_size(32)));
+using Row = std::array<Four, 4>;
+
+SCANSION_INLINE Row row_of(const std::int32_t* numbers) noexcept {
+  using FourWhole = std::int32_t __attribute__((vector_size(16)));
+  Row row;
+  for (std::size_t j = 0; j < row.size(); ++j) {
+    FourWhole whole;
+    std::memcpy(&whole, numbers + 4 * j, sizeof whole);
+    row[j] = __builtin_convertvector(whole, Four);
+  }
+  return row;
+}
+
 // Four at a time by hand: left alone, GCC 12 unrolls this loop into single numbers.
-SCANSION_INLINE void add_products_body(const double* x, double factor, double* normal, std::size_t rows) noexcept {
-  using Four = double __attribute__((vector_size(32)));
-  std::array<Four, 4> right;
-  std::memcpy(right.data(), x, sizeof right);
-  for (std::size_t i = 0; i < rows; ++i) {
-    const double xi = x[i] * factor;
-    for (std::size_t j = 0; j < right.size(); ++j) {
-      if (j > i / 4 && j + 1 < right.size()) continue; // symmetric: what the lower half says
+SCANSION_INLINE void add_products_body(const std::int32_t* numbers, double factor, double* normal, std::size_t count) noexcept {
+  const Row row = row_of(numbers);
+  for (std::size_t i = 0; i < count; ++i) {
+    const double xi = numbers[i] * factor;
+    for (std::size_t j = 0; j < row.size(); ++j) {
+      if (j > i / 4 && j + 1 < row.size()) continue; // symmetric: what the lower half says
       double* at = normal + 16 * i + 4 * j;
       Four sum;
       std::memcpy(&sum, at, sizeof sum);
-      sum += right[j] * xi;
+      sum += row[j] * xi;
       std::memcpy(at, &sum, sizeof sum);
     }
+  }
+}
+
+// All sums are whole numbers below 2^53, so they come out exact in any order.
+SCANSION_INLINE void left_over_body(const std::int32_t* rows, const double* weights, std::int32_t* left, std::size_t n) noexcept {
+  constexpr std::size_t kTarget = 14;
+  Row w;
+  std::memcpy(w.data(), weights, sizeof w);
+  for (std::size_t r = 0; r < n; ++r, rows += 16) {
+    const Row x = row_of(rows);
+    const Four sums = (x[0] * w[0] + x[1] * w[1]) + (x[2] * w[2] + x[3] * w[3]);
+    const auto guess = (static_cast<std::int64_t>((sums[0] + sums[1]) + (sums[2] + sums[3])) + 2048) >> 12;
+    left[r] = minus(rows[kTarget], static_cast<std::int32_t>(guess));
   }
 }
 
@@ -110,6 +137,26 @@ SCANSION_INLINE void sizes_body(const std::int32_t* __restrict residual, std::ui
     const std::int32_t held = std::max(residual[i], -most);
     size[i] = std::min(held < 0 ? -held : held, most);
   }
+}
+
+// Beyond the direct tokens the exponent and the first two bits behind the point of the same value as a float are the token. Half
+// the value has a sign bit to spare; a bit cleared behind those that count keeps conversion from rounding up into them.
+SCANSION_INLINE std::uint8_t tokens_body(const std::int32_t* __restrict values, std::uint32_t* __restrict folded,
+                                         std::uint8_t* __restrict token, std::size_t n) noexcept {
+  constexpr std::uint32_t kLess = 4 * (127 + 4) - kDirectTokens; // half of kDirectTokens has the exponent 4
+  std::uint32_t any = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::uint32_t x = fold(values[i]);
+    const std::uint32_t half = x >> 1U;
+    const auto real = static_cast<float>(static_cast<std::int32_t>(half & ~(half >> 8U)));
+    const std::uint32_t over = (std::bit_cast<std::uint32_t>(real) >> 21U) - kLess;
+    const std::uint32_t direct = 0U - (x < kDirectTokens ? 1U : 0U);
+    const std::uint32_t t = (x & direct) | (over & ~direct);
+    folded[i] = x;
+    token[i] = static_cast<std::uint8_t>(t);
+    any = std::max(any, t);
+  }
+  return static_cast<std::uint8_t>(any);
 }
 
 SCANSION_INLINE void bounds_body(const std::int32_t* values, std::size_t n, std::int32_t& low, std::int32_t& high) noexcept {
@@ -144,7 +191,6 @@ std::size_t above_body(const double* values, double limit, std::uint32_t* indexe
 // included: behind it GCC 12 compiles with the options of the precompiled header.)
 __attribute__((target("avx2"))) std::size_t above_avx2(const double* values, double limit, std::uint32_t* indexes,
                                                        std::size_t n, double& rest) noexcept {
-  using Four = double __attribute__((vector_size(32)));
   constexpr std::size_t kLanes = 4;
   constexpr std::size_t kBlock = 32;
   const Four limits = Four{} + limit;
@@ -181,13 +227,21 @@ __attribute__((target("avx2"))) void sizes_avx2(const std::int32_t* residual, st
                                                 std::size_t n) noexcept {
   sizes_body(residual, limit, size, n);
 }
+__attribute__((target("avx2"))) std::uint8_t tokens_avx2(const std::int32_t* values, std::uint32_t* folded, std::uint8_t* token,
+                                                         std::size_t n) noexcept {
+  return tokens_body(values, folded, token, n);
+}
 __attribute__((target("avx2"))) void bounds_avx2(const std::int32_t* values, std::size_t n, std::int32_t& low,
                                                  std::int32_t& high) noexcept {
   bounds_body(values, n, low, high);
 }
-__attribute__((target("avx2"))) void add_products_avx2(const double* x, double factor, double* normal,
-                                                       std::size_t rows) noexcept {
-  add_products_body(x, factor, normal, rows);
+__attribute__((target("avx2"))) void add_products_avx2(const std::int32_t* row, double factor, double* normal,
+                                                       std::size_t count) noexcept {
+  add_products_body(row, factor, normal, count);
+}
+__attribute__((target("avx2"))) void left_over_avx2(const std::int32_t* rows, const double* weights, std::int32_t* left,
+                                                    std::size_t n) noexcept {
+  left_over_body(rows, weights, left, n);
 }
 __attribute__((target("avx2"))) void weigh_above_avx2(const std::int16_t* w, const Above& above, const std::int32_t* chord,
                                                       std::int64_t* sum, std::int32_t* size, std::size_t n) noexcept {
@@ -213,8 +267,10 @@ constexpr auto above_avx2 = above_body;
 constexpr auto from_steps_avx2 = from_steps_body;
 constexpr auto ramp_avx2 = ramp_body;
 constexpr auto sizes_avx2 = sizes_body;
+constexpr auto tokens_avx2 = tokens_body;
 constexpr auto bounds_avx2 = bounds_body;
 constexpr auto add_products_avx2 = add_products_body;
+constexpr auto left_over_avx2 = left_over_body;
 constexpr auto weigh_above_avx2 = weigh_above_body;
 constexpr auto residuals_avx2 = residuals_body;
 constexpr auto contexts_avx2 = contexts_body;
@@ -230,15 +286,25 @@ void portable::residuals(const std::int16_t* weights, const Left& left, const st
                          std::size_t n) noexcept {
   residuals_body(weights, left, sum, residual, n);
 }
+std::uint8_t portable::tokens(const std::int32_t* values, std::uint32_t* folded, std::uint8_t* token, std::size_t n) noexcept {
+  return tokens_body(values, folded, token, n);
+}
 void portable::contexts(const std::int32_t* size, const std::int32_t* above, std::uint8_t* context, std::size_t n) noexcept {
   contexts_body(size, above, context, n);
 }
 
-void add_products(const double* x, double factor, double* normal, std::size_t rows) noexcept {
+void add_products(const std::int32_t* row, double factor, double* normal, std::size_t count) noexcept {
   if (has_avx2())
-    add_products_avx2(x, factor, normal, rows);
+    add_products_avx2(row, factor, normal, count);
   else
-    add_products_body(x, factor, normal, rows);
+    add_products_body(row, factor, normal, count);
+}
+
+void left_over(const std::int32_t* rows, const double* weights, std::int32_t* left, std::size_t n) noexcept {
+  if (has_avx2())
+    left_over_avx2(rows, weights, left, n);
+  else
+    left_over_body(rows, weights, left, n);
 }
 
 std::size_t above(const double* values, double limit, std::uint32_t* indexes, std::size_t n, double& rest) noexcept {
@@ -304,6 +370,10 @@ void sizes(const std::int32_t* residual, std::uint32_t limit, std::int32_t* size
     sizes_avx2(residual, limit, size, n);
   else
     sizes_body(residual, limit, size, n);
+}
+
+std::uint8_t tokens(const std::int32_t* values, std::uint32_t* folded, std::uint8_t* token, std::size_t n) noexcept {
+  return has_avx2() ? tokens_avx2(values, folded, token, n) : portable::tokens(values, folded, token, n);
 }
 
 void contexts(const std::int32_t* size, const std::int32_t* above, std::uint8_t* context, std::size_t n) noexcept {

@@ -51,12 +51,20 @@ struct Left {
 void residuals(const std::int16_t* weights, const Left& left, const std::int64_t* sum, std::int32_t* residual,
                std::size_t n) noexcept;
 
-/// normal[i][j] += x[i] * factor * x[j] for `rows` rows of 16: for j up to i and from 12 on, at least. Multiplies and adds
-/// apart, so every machine rounds alike.
-void add_products(const double* x, double factor, double* normal, std::size_t rows) noexcept;
+/// A row of a fit is 16 numbers: deviations, target, nothing.
+/// normal[i][j] += x[i] * factor * x[j] for i < count: for j up to i and from 12 on, at least. Multiplies and adds apart, so
+/// every machine rounds alike.
+void add_products(const std::int32_t* row, double factor, double* normal, std::size_t count) noexcept;
+/// left[r] = target - ((the sum of 14 weights times what they weigh + 2048) >> 12), modulo 2^32. `weights` are 16, whole numbers
+/// of 16 bits, the last two 0.
+void left_over(const std::int32_t* rows, const double* weights, std::int32_t* left, std::size_t n) noexcept;
 
 /// size[i] = min(|residual[i]|, limit).
 void sizes(const std::int32_t* residual, std::uint32_t limit, std::int32_t* size, std::size_t n) noexcept;
+
+/// folded[i] = fold(values[i]), token[i] = token_of(folded[i]) (tokens.hpp). Returns the largest token.
+[[nodiscard]] std::uint8_t tokens(const std::int32_t* values, std::uint32_t* folded, std::uint8_t* token,
+                                  std::size_t n) noexcept;
 
 /// context[i] from size[i - 2], size[i - 3] and above[i]: rest_context(). `above` may be null: no line before.
 void contexts(const std::int32_t* size, const std::int32_t* above, std::uint8_t* context, std::size_t n) noexcept;
@@ -68,6 +76,8 @@ void weigh_above(const std::int16_t* weights, const Above& above, const std::int
 void residuals(const std::int16_t* weights, const Left& left, const std::int64_t* sum, std::int32_t* residual,
                std::size_t n) noexcept;
 void contexts(const std::int32_t* size, const std::int32_t* above, std::uint8_t* context, std::size_t n) noexcept;
+[[nodiscard]] std::uint8_t tokens(const std::int32_t* values, std::uint32_t* folded, std::uint8_t* token,
+                                  std::size_t n) noexcept;
 } // namespace portable
 
 } // namespace scansion::kernels

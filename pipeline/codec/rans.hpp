@@ -39,10 +39,11 @@ struct RansEncodeTable {
 
 /// Pushes one token; `at` moves down by a word when the state is full.
 [[nodiscard]] inline std::uint32_t rans_push(std::uint32_t state, const RansEncodeTable::Entry& e, std::byte*& at) noexcept {
-  const bool full = state >= std::uint64_t{e.frequency} << (32 - kTotalBits);
+  // Nobody can tell beforehand when it is full: a shift by nothing is cheaper than a branch.
+  const unsigned shift = state >> (32 - kTotalBits) >= e.frequency ? 16U : 0U;
   store_le(at - 2, static_cast<std::uint16_t>(state));
-  at -= full ? 2 : 0;
-  state >>= full ? 16 : 0;
+  at -= shift / 8;
+  state >>= shift;
   return state + e.start + high_product(e.reciprocal, state) * (kTotal - e.frequency);
 }
 

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/codec/symbols.hpp"
 
+#include "pipeline/codec/kernels.hpp"
+
 namespace scansion {
 namespace {
 
@@ -15,8 +17,39 @@ void SymbolWriter::clear() noexcept {
   size_ = 0;
   plain_.clear();
   for (; used_ != 0; used_ &= used_ - 1) counts_[static_cast<std::size_t>(std::countr_zero(used_))].fill(0);
+  counted_ = false;
   tables_chosen_ = 0;
-  last_token_ = 0;
+}
+
+void SymbolWriter::grow(std::size_t more) {
+  const std::size_t room = 2 * (size_ + more) + 64;
+  values_.resize(room);
+  contexts_.resize(room);
+  folded_.resize(room);
+  tokens_.resize(room);
+}
+
+// Tokens of all values, and how many of each there are in each context.
+void SymbolWriter::count() {
+  last_token_ = kernels::tokens(values_.data(), folded_.data(), tokens_.data(), size_);
+  const std::uint8_t* const tokens = tokens_.data();
+  const std::uint8_t* const contexts = contexts_.data();
+  std::uint64_t used = 0;
+  for (std::size_t i = 0; i < size_; ++i) {
+    used |= std::uint64_t{1} << contexts[i];
+    ++counts_[contexts[i]][tokens[i]];
+  }
+  used_ = used;
+  if (last_token_ >= kDirectTokens) {
+    // Most eights have none.
+    constexpr std::uint64_t kDirectBits = (kDirectTokens - 1) * 0x0101'0101'0101'0101U;
+    for (std::size_t from = 0; from < size_; from += kStride) {
+      if ((load_le<std::uint64_t>(reinterpret_cast<const std::byte*>(tokens + from)) & ~kDirectBits) == 0) continue;
+      for (std::size_t i = from; i < std::min(size_, from + kStride); ++i)
+        if (tokens[i] >= kDirectTokens) plain_.push_back(static_cast<std::uint32_t>(i));
+    }
+  }
+  counted_ = true;
 }
 
 // Contexts stand in the order of growing residuals. Neighbours share a table where that is cheaper than two tables.
@@ -70,39 +103,18 @@ void SymbolWriter::choose_tables() {
   tables_chosen_ = n;
 }
 
-void SymbolWriter::put(std::span<const std::int32_t> values, std::span<const std::uint8_t> contexts) {
-  if (symbols_.size() < size_ + values.size()) symbols_.resize(2 * (size_ + values.size()));
-  Symbol* const to = symbols_.data() + size_;
-  std::uint64_t used = 0;
-  std::uint32_t last = last_token_;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const std::uint32_t folded = fold(values[i]);
-    const std::uint32_t token = token_of(folded);
-    last = std::max(last, token);
-    used |= std::uint64_t{1} << contexts[i];
-    if (token >= kDirectTokens) plain_.push_back(static_cast<std::uint32_t>(size_ + i));
-    to[i] = {folded, static_cast<std::uint8_t>(token), contexts[i]};
-    ++counts_[contexts[i]][token];
-  }
-  used_ |= used;
-  last_token_ = last;
-  size_ += values.size();
-}
-
-bool SymbolWriter::only_zeros() const noexcept {
-  return std::ranges::all_of(std::span(symbols_).first(size_), [](const Symbol& s) { return s.token == 0; });
-}
-
 std::uint64_t SymbolWriter::estimate() {
-  if (only_zeros()) return 0;
+  count();
+  if (last_token_ == 0) return 0;
   choose_tables();
   std::uint64_t cost = cost_;
-  for (const std::uint32_t i : plain_) cost += std::uint64_t{kTokenRanges[symbols_[i].token].bits} << kLogBits;
+  for (const std::uint32_t i : plain_) cost += std::uint64_t{kTokenRanges[tokens_[i]].bits} << kLogBits;
   return cost >> kLogBits;
 }
 
 void SymbolWriter::write(Bytes& to) {
-  const bool zero = only_zeros();
+  if (!counted_) count();
+  const bool zero = last_token_ == 0;
   if (!zero && tables_chosen_ == 0) choose_tables();
   const std::size_t tables = zero ? 0 : tables_chosen_;
   to.push_back(static_cast<std::byte>(tables));
@@ -133,11 +145,12 @@ void SymbolWriter::write_symbols(Bytes& to) {
   states.fill(kRansLow);
   std::array<const RansEncodeTable::Entry*, kMaxContexts> entries;
   for (std::size_t c = 0; c < kMaxContexts; ++c) entries[c] = tables_[table_of_[c]].entries.data();
-  const Symbol* const symbols = symbols_.data();
+  const std::uint8_t* const tokens = tokens_.data();
+  const std::uint8_t* const contexts = contexts_.data();
   std::size_t n = size_;
   const auto push = [&](std::uint32_t state) {
-    const Symbol s = symbols[--n];
-    return rans_push(state, entries[s.context][s.token], at);
+    --n;
+    return rans_push(state, entries[contexts[n]][tokens[n]], at);
   };
   if (n % 2 != 0) states[0] = push(states[0]);
   while (n > 0) {
@@ -151,8 +164,8 @@ void SymbolWriter::write_symbols(Bytes& to) {
   words_.clear();
   BitWriter bits(words_);
   for (const std::uint32_t i : plain_) {
-    const Symbol& s = symbols_[i];
-    bits.put(s.folded - kTokenRanges[s.token].first, kTokenRanges[s.token].bits);
+    const TokenRange& range = kTokenRanges[tokens_[i]];
+    bits.put(folded_[i] - range.first, range.bits);
   }
   bits.flush();
   put_varint(to, words_.size());

@@ -15,37 +15,43 @@ class SymbolWriter {
 public:
   void clear() noexcept;
   void put(std::int32_t value, std::uint32_t context) {
-    const std::uint32_t folded = fold(value);
-    const std::uint32_t token = token_of(folded);
-    if (size_ == symbols_.size()) symbols_.resize(2 * size_ + 64);
-    if (token >= kDirectTokens) plain_.push_back(static_cast<std::uint32_t>(size_));
-    symbols_[size_++] = {folded, static_cast<std::uint8_t>(token), static_cast<std::uint8_t>(context)};
-    ++counts_[context][token];
-    last_token_ = std::max(last_token_, token);
-    used_ |= std::uint64_t{1} << context;
+    if (size_ + kStride > values_.size()) grow(1);
+    values_[size_] = value;
+    contexts_[size_++] = static_cast<std::uint8_t>(context);
   }
-  /// Several, one after the other.
-  void put(std::span<const std::int32_t> values, std::span<const std::uint8_t> contexts);
+  /// Both are read up to kStride elements behind the end of a stretch.
+  static constexpr std::size_t kStride = 8;
+  /// Several, one after the other; short stretches are what this is for.
+  void put(const std::int32_t* values, const std::uint8_t* contexts, std::size_t count) {
+    if (size_ + count + kStride > values_.size()) grow(count);
+    for (std::size_t i = 0; i < count; i += kStride) {
+      std::memcpy(values_.data() + size_ + i, values + i, kStride * sizeof *values);
+      std::memcpy(contexts_.data() + size_ + i, contexts + i, kStride);
+    }
+    size_ += count;
+  }
   /// About how many bits write() would take, for a choice between two ways.
   [[nodiscard]] std::uint64_t estimate();
   /// Appends the values put since clear().
   void write(Bytes& to);
 
 private:
-  struct Symbol {
-    std::uint32_t folded;
-    std::uint8_t token, context;
-  };
+  void grow(std::size_t more);
+  void count();
   void choose_tables();
-  [[nodiscard]] bool only_zeros() const noexcept;
   void write_symbols(Bytes& to);
 
-  std::vector<Symbol> symbols_; ///< the first size_ count; the others are memory
+  // The first size_ of these count; the others are memory.
+  std::vector<std::int32_t> values_;
+  std::vector<std::uint8_t> contexts_;
+  std::vector<std::uint32_t> folded_;
+  std::vector<std::uint8_t> tokens_;
   std::size_t size_ = 0;
+  bool counted_ = false;             ///< what follows holds for all values
   std::vector<std::uint32_t> plain_; ///< indexes of symbols that have plain bits
   std::array<TokenCounts, kMaxContexts> counts_{};
   std::uint64_t used_ = 0;                            ///< contexts that have counts
-  std::uint32_t last_token_ = 0;                      ///< the largest that was put
+  std::uint32_t last_token_ = 0;                      ///< the largest
   std::size_t tables_chosen_ = 0;                     ///< 0: not yet
   std::uint64_t cost_ = 0;                            ///< of tables and tokens
   std::array<std::uint8_t, kMaxContexts> table_of_{}; ///< by context
