@@ -1,5 +1,6 @@
 // Choosing the alpha-set from the lines themselves (docs/FORMAT.md, "Levels").
 // SPDX-License-Identifier: Apache-2.0
+#include "pipeline/codec/kernels.hpp"
 #include "pipeline/pipeline.hpp"
 
 #include <algorithm>
@@ -102,8 +103,7 @@ const AlphaSet& Calibrator::next(const LineGroup& group, const GroupRanks& ranks
       const double farthest = largest_distance(ranks);
       change = farthest > alpha_.tolerances.front() || (farthest > 0 && farthest < alpha_.tolerances.front() / kShareRange);
     } else {
-      std::size_t kept = 0;
-      for (const double d : ranks.distance) kept += d > alpha_.tolerances.back() ? 1U : 0U;
+      const std::size_t kept = kernels::count_above(ranks.distance.data(), alpha_.tolerances.back(), ranks.distance.size());
       const double share = static_cast<double>(kept - ends) / static_cast<double>(inner);
       change = share > kShare * kShareRange || share < kShare / kShareRange;
     }

@@ -170,6 +170,12 @@ SCANSION_INLINE void bounds_body(const std::int32_t* values, std::size_t n, std:
   high = most;
 }
 
+SCANSION_INLINE std::size_t count_above_body(const double* values, double limit, std::size_t n) noexcept {
+  std::uint64_t found = 0; // as wide as the values: vector units count lane by lane
+  for (std::size_t i = 0; i < n; ++i) found += values[i] > limit ? 1U : 0U;
+  return found;
+}
+
 // Where the next one lies cannot be foreseen, so nothing here branches on it. Doubles that are not negative have the order of
 // their bits.
 std::size_t above_body(const double* values, double limit, std::uint32_t* indexes, std::size_t n, double& rest) noexcept {
@@ -214,6 +220,9 @@ __attribute__((target("avx2"))) std::size_t above_avx2(const double* values, dou
   const std::size_t tail = above_body(values + from, limit, indexes + found, n - from, rest);
   for (std::size_t k = found; k < found + tail; ++k) indexes[k] += static_cast<std::uint32_t>(from);
   return found + tail;
+}
+__attribute__((target("avx2"))) std::size_t count_above_avx2(const double* values, double limit, std::size_t n) noexcept {
+  return count_above_body(values, limit, n);
 }
 __attribute__((target("avx2"))) void from_steps_avx2(const std::int32_t* u, std::uint32_t base, std::uint32_t step,
                                                      std::int32_t* to, std::size_t n) noexcept {
@@ -264,6 +273,7 @@ bool has_avx2() noexcept {
   return false;
 }
 constexpr auto above_avx2 = above_body;
+constexpr auto count_above_avx2 = count_above_body;
 constexpr auto from_steps_avx2 = from_steps_body;
 constexpr auto ramp_avx2 = ramp_body;
 constexpr auto sizes_avx2 = sizes_body;
@@ -309,6 +319,10 @@ void left_over(const std::int32_t* rows, const double* weights, std::int32_t* le
 
 std::size_t above(const double* values, double limit, std::uint32_t* indexes, std::size_t n, double& rest) noexcept {
   return has_avx2() ? above_avx2(values, limit, indexes, n, rest) : above_body(values, limit, indexes, n, rest);
+}
+
+std::size_t count_above(const double* values, double limit, std::size_t n) noexcept {
+  return has_avx2() ? count_above_avx2(values, limit, n) : count_above_body(values, limit, n);
 }
 
 void subtract(const std::int32_t* __restrict a, const std::int32_t* __restrict b, std::int32_t* __restrict to,

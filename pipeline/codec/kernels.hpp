@@ -13,6 +13,9 @@ namespace scansion::kernels {
 [[nodiscard]] std::size_t above(const double* values, double limit, std::uint32_t* indexes, std::size_t n,
                                 double& rest) noexcept;
 
+/// How many of the values are above `limit`.
+[[nodiscard]] std::size_t count_above(const double* values, double limit, std::size_t n) noexcept;
+
 /// Lowers `low` and raises `high` to the smallest and the largest of the values.
 void bounds(const std::int32_t* values, std::size_t n, std::int32_t& low, std::int32_t& high) noexcept;
 
