@@ -22,7 +22,9 @@ std::uint8_t class_of(std::uint64_t scaled) noexcept {
 
 // How much longer the code of a token is than with the largest class.
 constexpr auto kBelowTop = [] {
-  const auto log = [](int k) { return ((k - 1) / 4 + 2) * (1 << kLogBits) + kLogTable[static_cast<std::size_t>((k - 1) % 4 * 64)]; };
+  const auto log = [](int k) {
+    return ((k - 1) / 4 + 2) * (1 << kLogBits) + kLogTable[static_cast<std::size_t>((k - 1) % 4 * 64)];
+  };
   std::array<std::int32_t, kMaxClass + 1> logs{};
   for (int k = 1; k <= kMaxClass; ++k) logs[static_cast<std::size_t>(k)] = log(kMaxClass) - log(k);
   return logs;
@@ -45,8 +47,8 @@ struct Step {
   std::size_t choices = 0;
 };
 
-// The cheapest ways to the choices of a token: the bits of the gamma code of the step between classes are 1 for none, else 3 and
-// 2 for each doubling of it. The exponent of a float says that without a bit scan.
+// The cheapest ways to the choices of a token: the bits of the gamma code of the step between classes are 1 for none, else 3
+// and 2 for each doubling of it. The exponent of a float says that without a bit scan.
 __attribute__((always_inline)) inline void step_body(const Step& from, Step& to) noexcept {
   constexpr int kMantissa = 23;
   constexpr int kBias = 127;
@@ -105,14 +107,14 @@ Classes classes_of(const TokenCounts& counts) noexcept {
   }
   // Quotients by the same numbers, as products; 32 and 10 bits keep all of what matters.
   const std::uint64_t to_weight = (kTopWeight << 32U) / (9 * top);
-  constexpr std::uint64_t kPerNat = 5909;                // 2^kLogBits / ln 2
-  const std::uint64_t total = sum * kTopWeight / top;    // about the sum of all weights
+  constexpr std::uint64_t kPerNat = 5909;             // 2^kLogBits / ln 2
+  const std::uint64_t total = sum * kTopWeight / top; // about the sum of all weights
   const std::uint64_t others = (sum * kPerNat << 10U) / total;
   std::array<std::int32_t, kMaxClass + 1> for_others; // what a token's weight costs all other tokens
   for (std::uint8_t k = 0; k <= kMaxClass; ++k) for_others[k] = static_cast<std::int32_t>(weight_of(k) * others >> 10U);
 
   constexpr std::uint64_t kFew = 256;
-  const int around = sum < kFew ? kAround : 1; // with many tokens the best is near
+  const int around = sum < kFew ? kAround : 1;   // with many tokens the best is near
   std::array<std::uint32_t, kTokens + 4> wide{}; // with two zeros at either end
   std::ranges::copy(std::span(counts).first(used), wide.begin() + 2);
   std::array<Step, kTokens + 1> steps;

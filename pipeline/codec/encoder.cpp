@@ -55,8 +55,7 @@ struct GroupEncoder::Impl {
   Neighbours neighbours;
   std::array<RestAxis, 3> rest_axes;
   WeightFit fit;
-  std::vector<std::int32_t> rest_residuals;
-  std::vector<std::uint8_t> rest_contexts;
+  RunResiduals run_residuals;
   std::vector<std::int64_t> leftovers;
   Bytes plain; ///< an axis of the rest as planes
 
@@ -220,12 +219,12 @@ void GroupEncoder::Impl::write_rest(const LineGroup& group, Bytes& to) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (scales[axis].even) continue;
     rest_axes[axis].resize(points);
-    fill_chord(state.known, state.u[axis], rest_axes[axis].chord);
   }
-  if (scales[along].even) fill_even(group.runs, state.u[along]);
+  if (scales[along].even)
+    fill_even(group.runs, state.u[along]);
+  else
+    fill_chord(state.known, state.u[along], rest_axes[along].chord);
   neighbours.find(group, state, scales[along], scales[along].even ? state.u[along] : rest_axes[along].chord);
-  rest_residuals.resize(points + SymbolWriter::kStride);
-  rest_contexts.resize(points + SymbolWriter::kStride);
   for (std::size_t axis = 0; axis < 3; ++axis)
     if (!scales[axis].even) write_rest_axis(group, axis, to);
 }
@@ -234,21 +233,17 @@ void GroupEncoder::Impl::write_rest_axis(const LineGroup& group, std::size_t axi
   constexpr std::size_t kSample = 1536;
   const auto& u = state.u[axis];
   RestAxis& at = rest_axes[axis];
-  kernels::subtract(u.data(), at.chord.data(), at.deviation.data(), u.size());
   const std::size_t stride = std::max<std::size_t>(6, u.size() / kSample);
   PointIndex sample = 0;
-  at.fill_means(group.runs, state.known);
+  at.fill(group.runs, state.known, u);
   fit.clear();
   visit_rest(group, state.known, neighbours, [&](const RestLine& line, PointIndex run_first, PointIndex from, PointIndex end) {
     for (; sample < end; sample += static_cast<PointIndex>(stride))
       if (sample >= from) fit.add(deviations_of(at, u, neighbours, line, run_first, sample), at.deviation[sample]);
   });
   const auto [weights, with_above] = fit.solve();
-  fitted_residuals(group, state.known, with_above ? &neighbours : nullptr, weights, u, at, rest_residuals, rest_contexts);
   symbols.clear();
-  visit_rest(group, state.known, neighbours, [&](const RestLine&, PointIndex, PointIndex from, PointIndex end) {
-    symbols.put(rest_residuals.data() + from, rest_contexts.data() + from, end - from);
-  });
+  put_fitted(group, state.known, with_above ? &neighbours : nullptr, weights, u, at, run_residuals, symbols);
   const std::size_t start = to.size();
   to.push_back(static_cast<std::byte>(with_above ? RestMode::fitted : RestMode::line));
   for (const std::int16_t w : std::span(weights).first(with_above ? kWeights : kLineWeights)) put_signed(to, w);

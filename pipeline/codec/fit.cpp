@@ -55,8 +55,7 @@ void WeightFit::measure() {
   sizes_.clear();
   for (const Sample& s : rows_) {
     double size = 0;
-    for (std::size_t k = 0; k < s.size(); ++k)
-      size += k < kLeft || k >= kLineWeights ? std::abs(static_cast<double>(s[k])) : 0;
+    for (std::size_t k = 0; k < s.size(); ++k) size += k < kLeft || k >= kLineWeights ? std::abs(static_cast<double>(s[k])) : 0;
     sizes_.push_back(size / (kWeights - kMeans + 1));
   }
   usual_.assign(sizes_.begin(), sizes_.end());

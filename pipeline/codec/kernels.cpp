@@ -108,7 +108,8 @@ SCANSION_INLINE void add_products_body(const std::int32_t* numbers, double facto
 }
 
 // All sums are whole numbers below 2^53, so they come out exact in any order.
-SCANSION_INLINE void left_over_body(const std::int32_t* rows, const double* weights, std::int32_t* left, std::size_t n) noexcept {
+SCANSION_INLINE void left_over_body(const std::int32_t* rows, const double* weights, std::int32_t* left,
+                                    std::size_t n) noexcept {
   constexpr std::size_t kTarget = 14;
   Row w;
   std::memcpy(w.data(), weights, sizeof w);
@@ -139,10 +140,10 @@ SCANSION_INLINE void sizes_body(const std::int32_t* __restrict residual, std::ui
   }
 }
 
-// Beyond the direct tokens the exponent and the first two bits behind the point of the same value as a float are the token. Half
-// the value has a sign bit to spare; a bit cleared behind those that count keeps conversion from rounding up into them.
-SCANSION_INLINE std::uint8_t tokens_body(const std::int32_t* __restrict values, std::uint32_t* __restrict folded,
-                                         std::uint8_t* __restrict token, std::size_t n) noexcept {
+// Beyond the direct tokens the exponent and the first two bits behind the point of the same value as a float are the token.
+// Half the value has a sign bit to spare; a bit cleared behind those that count keeps conversion from rounding up into them.
+SCANSION_INLINE std::uint8_t tokens_body(const std::int32_t* __restrict values, std::uint8_t* __restrict token,
+                                         std::size_t n) noexcept {
   constexpr std::uint32_t kLess = 4 * (127 + 4) - kDirectTokens; // half of kDirectTokens has the exponent 4
   std::uint32_t any = 0;
   for (std::size_t i = 0; i < n; ++i) {
@@ -152,7 +153,6 @@ SCANSION_INLINE std::uint8_t tokens_body(const std::int32_t* __restrict values, 
     const std::uint32_t over = (std::bit_cast<std::uint32_t>(real) >> 21U) - kLess;
     const std::uint32_t direct = 0U - (x < kDirectTokens ? 1U : 0U);
     const std::uint32_t t = (x & direct) | (over & ~direct);
-    folded[i] = x;
     token[i] = static_cast<std::uint8_t>(t);
     any = std::max(any, t);
   }
@@ -236,9 +236,9 @@ __attribute__((target("avx2"))) void sizes_avx2(const std::int32_t* residual, st
                                                 std::size_t n) noexcept {
   sizes_body(residual, limit, size, n);
 }
-__attribute__((target("avx2"))) std::uint8_t tokens_avx2(const std::int32_t* values, std::uint32_t* folded, std::uint8_t* token,
+__attribute__((target("avx2"))) std::uint8_t tokens_avx2(const std::int32_t* values, std::uint8_t* token,
                                                          std::size_t n) noexcept {
-  return tokens_body(values, folded, token, n);
+  return tokens_body(values, token, n);
 }
 __attribute__((target("avx2"))) void bounds_avx2(const std::int32_t* values, std::size_t n, std::int32_t& low,
                                                  std::int32_t& high) noexcept {
@@ -296,8 +296,8 @@ void portable::residuals(const std::int16_t* weights, const Left& left, const st
                          std::size_t n) noexcept {
   residuals_body(weights, left, sum, residual, n);
 }
-std::uint8_t portable::tokens(const std::int32_t* values, std::uint32_t* folded, std::uint8_t* token, std::size_t n) noexcept {
-  return tokens_body(values, folded, token, n);
+std::uint8_t portable::tokens(const std::int32_t* values, std::uint8_t* token, std::size_t n) noexcept {
+  return tokens_body(values, token, n);
 }
 void portable::contexts(const std::int32_t* size, const std::int32_t* above, std::uint8_t* context, std::size_t n) noexcept {
   contexts_body(size, above, context, n);
@@ -323,11 +323,6 @@ std::size_t above(const double* values, double limit, std::uint32_t* indexes, st
 
 std::size_t count_above(const double* values, double limit, std::size_t n) noexcept {
   return has_avx2() ? count_above_avx2(values, limit, n) : count_above_body(values, limit, n);
-}
-
-void subtract(const std::int32_t* __restrict a, const std::int32_t* __restrict b, std::int32_t* __restrict to,
-              std::size_t n) noexcept {
-  for (std::size_t i = 0; i < n; ++i) to[i] = minus(a[i], b[i]);
 }
 
 void from_steps(const std::int32_t* u, std::uint32_t base, std::uint32_t step, std::int32_t* to, std::size_t n) noexcept {
@@ -386,8 +381,8 @@ void sizes(const std::int32_t* residual, std::uint32_t limit, std::int32_t* size
     sizes_body(residual, limit, size, n);
 }
 
-std::uint8_t tokens(const std::int32_t* values, std::uint32_t* folded, std::uint8_t* token, std::size_t n) noexcept {
-  return has_avx2() ? tokens_avx2(values, folded, token, n) : portable::tokens(values, folded, token, n);
+std::uint8_t tokens(const std::int32_t* values, std::uint8_t* token, std::size_t n) noexcept {
+  return has_avx2() ? tokens_avx2(values, token, n) : portable::tokens(values, token, n);
 }
 
 void contexts(const std::int32_t* size, const std::int32_t* above, std::uint8_t* context, std::size_t n) noexcept {

@@ -19,8 +19,6 @@ namespace scansion::kernels {
 /// Lowers `low` and raises `high` to the smallest and the largest of the values.
 void bounds(const std::int32_t* values, std::size_t n, std::int32_t& low, std::int32_t& high) noexcept;
 
-/// to[i] = a[i] - b[i], modulo 2^32.
-void subtract(const std::int32_t* a, const std::int32_t* b, std::int32_t* to, std::size_t n) noexcept;
 /// to[i] = base + step * u[i], modulo 2^32.
 void from_steps(const std::int32_t* u, std::uint32_t base, std::uint32_t step, std::int32_t* to, std::size_t n) noexcept;
 /// values[i] = min(values[i], most).
@@ -58,16 +56,15 @@ void residuals(const std::int16_t* weights, const Left& left, const std::int64_t
 /// normal[i][j] += x[i] * factor * x[j] for i < count: for j up to i and from 12 on, at least. Multiplies and adds apart, so
 /// every machine rounds alike.
 void add_products(const std::int32_t* row, double factor, double* normal, std::size_t count) noexcept;
-/// left[r] = target - ((the sum of 14 weights times what they weigh + 2048) >> 12), modulo 2^32. `weights` are 16, whole numbers
-/// of 16 bits, the last two 0.
+/// left[r] = target - ((the sum of 14 weights times what they weigh + 2048) >> 12), modulo 2^32. `weights` are 16, whole
+/// numbers of 16 bits, the last two 0.
 void left_over(const std::int32_t* rows, const double* weights, std::int32_t* left, std::size_t n) noexcept;
 
 /// size[i] = min(|residual[i]|, limit).
 void sizes(const std::int32_t* residual, std::uint32_t limit, std::int32_t* size, std::size_t n) noexcept;
 
-/// folded[i] = fold(values[i]), token[i] = token_of(folded[i]) (tokens.hpp). Returns the largest token.
-[[nodiscard]] std::uint8_t tokens(const std::int32_t* values, std::uint32_t* folded, std::uint8_t* token,
-                                  std::size_t n) noexcept;
+/// token[i] = token_of(fold(values[i])) (tokens.hpp). Returns the largest.
+[[nodiscard]] std::uint8_t tokens(const std::int32_t* values, std::uint8_t* token, std::size_t n) noexcept;
 
 /// context[i] from size[i - 2], size[i - 3] and above[i]: rest_context(). `above` may be null: no line before.
 void contexts(const std::int32_t* size, const std::int32_t* above, std::uint8_t* context, std::size_t n) noexcept;
@@ -79,8 +76,7 @@ void weigh_above(const std::int16_t* weights, const Above& above, const std::int
 void residuals(const std::int16_t* weights, const Left& left, const std::int64_t* sum, std::int32_t* residual,
                std::size_t n) noexcept;
 void contexts(const std::int32_t* size, const std::int32_t* above, std::uint8_t* context, std::size_t n) noexcept;
-[[nodiscard]] std::uint8_t tokens(const std::int32_t* values, std::uint32_t* folded, std::uint8_t* token,
-                                  std::size_t n) noexcept;
+[[nodiscard]] std::uint8_t tokens(const std::int32_t* values, std::uint8_t* token, std::size_t n) noexcept;
 } // namespace portable
 
 } // namespace scansion::kernels

@@ -41,9 +41,9 @@ void contexts_of_run(std::span<const PointIndex> vertices, const std::int32_t* s
 
 } // namespace
 
-void fitted_residuals(const LineGroup& group, std::span<const PointIndex> vertices, const Neighbours* neighbours,
-                      const Weights& weights, std::span<const std::int32_t> u, RestAxis& axis, std::span<std::int32_t> residual,
-                      std::span<std::uint8_t> context) {
+void put_fitted(const LineGroup& group, std::span<const PointIndex> vertices, const Neighbours* neighbours,
+                const Weights& weights, std::span<const std::int32_t> u, RestAxis& axis, RunResiduals& scratch,
+                SymbolWriter& to) {
   std::size_t v = 0;
   std::size_t line = 0;
   const std::int64_t* sum = nullptr;
@@ -56,12 +56,20 @@ void fitted_residuals(const LineGroup& group, std::span<const PointIndex> vertic
       beside = at.has_above ? axis.above_size.data() - at.first : nullptr;
     }
     const PointIndex last = run.first + run.count - 1;
-    residuals_of_run(weights, axis, sum, run.first, last, residual.data());
-    kernels::sizes(residual.data() + run.first, kLargestSize, axis.size.data() + run.first, run.count);
+    scratch.residual.resize(std::max<std::size_t>(scratch.residual.size(), run.count + SymbolWriter::kStride));
+    scratch.context.resize(scratch.residual.size());
+    std::int32_t* const residual = scratch.residual.data() - run.first;
+    std::uint8_t* const context = scratch.context.data() - run.first;
+    residuals_of_run(weights, axis, sum, run.first, last, residual);
+    kernels::sizes(residual + run.first, kLargestSize, axis.size.data() + run.first, run.count);
     const std::size_t begin = v;
     for (; vertices[v] != last; ++v) axis.size[vertices[v]] = size_of_rise(Chord(u, vertices[v], vertices[v + 1]).rise());
     axis.size[last] = 0;
-    contexts_of_run(vertices.subspan(begin, ++v - begin), axis.size.data(), beside, context.data());
+    contexts_of_run(vertices.subspan(begin, ++v - begin), axis.size.data(), beside, context);
+    for (std::size_t k = begin; k + 1 < v; ++k) {
+      const PointIndex from = vertices[k] + 1;
+      to.put(residual + from, context + from, vertices[k + 1] - from);
+    }
   }
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "pipeline/codec/rest_model.hpp"
+#include "pipeline/codec/symbols.hpp"
 
 #include <utility>
 
@@ -83,10 +84,16 @@ void decode_fitted(const LineGroup& group, std::span<const PointIndex> vertices,
   }
 }
 
-/// Residuals of one fitted axis, and the sizes of them. Without `neighbours` the line before is left alone.
-void fitted_residuals(const LineGroup& group, std::span<const PointIndex> vertices, const Neighbours* neighbours,
-                      const Weights& weights, std::span<const std::int32_t> u, RestAxis& axis, std::span<std::int32_t> residual,
-                      std::span<std::uint8_t> context);
+/// Residuals of one run and their contexts, scratch.
+struct RunResiduals {
+  std::vector<std::int32_t> residual;
+  std::vector<std::uint8_t> context;
+};
+
+/// Puts the residuals of one fitted axis. Without `neighbours` the line before is left alone.
+void put_fitted(const LineGroup& group, std::span<const PointIndex> vertices, const Neighbours* neighbours,
+                const Weights& weights, std::span<const std::int32_t> u, RestAxis& axis, RunResiduals& scratch,
+                SymbolWriter& to);
 
 /// What an axis that is not fitted predicts; needs no context.
 [[nodiscard]] inline std::int32_t predict_plain(RestMode mode, const Neighbours& neighbours, const RestLine& line,

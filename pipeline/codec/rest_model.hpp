@@ -126,8 +126,8 @@ struct RestAxis {
     deviation.resize(points);
     size.resize(points);
   }
-  /// Fills `means` from the deviations.
-  void fill_means(std::span<const Run> runs, std::span<const PointIndex> vertices);
+  /// Fills chord, deviations and means, for the encoder, which has `u`.
+  void fill(std::span<const Run> runs, std::span<const PointIndex> vertices, std::span<const std::int32_t> u);
   /// What the line before adds to the weighted sum of each point, and the sizes of residuals there.
   void weigh_above(const RestLine& line, const Neighbours& neighbours, std::span<const std::int32_t> u, const Weights& weights);
 };

@@ -25,31 +25,37 @@ void SymbolWriter::grow(std::size_t more) {
   const std::size_t room = 2 * (size_ + more) + 64;
   values_.resize(room);
   contexts_.resize(room);
-  folded_.resize(room);
   tokens_.resize(room);
 }
 
-// Tokens of all values, and how many of each there are in each context.
+// Tokens of all values, and how many of each there are in each context; as many at a time as stay in the nearest cache.
 void SymbolWriter::count() {
-  last_token_ = kernels::tokens(values_.data(), folded_.data(), tokens_.data(), size_);
-  const std::uint8_t* const tokens = tokens_.data();
-  const std::uint8_t* const contexts = contexts_.data();
+  constexpr std::size_t kBlock = 2048;
   std::uint64_t used = 0;
-  for (std::size_t i = 0; i < size_; ++i) {
-    used |= std::uint64_t{1} << contexts[i];
-    ++counts_[contexts[i]][tokens[i]];
-  }
-  used_ = used;
-  if (last_token_ >= kDirectTokens) {
-    // Most eights have none.
-    constexpr std::uint64_t kDirectBits = (kDirectTokens - 1) * 0x0101'0101'0101'0101U;
-    for (std::size_t from = 0; from < size_; from += kStride) {
-      if ((load_le<std::uint64_t>(reinterpret_cast<const std::byte*>(tokens + from)) & ~kDirectBits) == 0) continue;
-      for (std::size_t i = from; i < std::min(size_, from + kStride); ++i)
-        if (tokens[i] >= kDirectTokens) plain_.push_back(static_cast<std::uint32_t>(i));
+  last_token_ = 0;
+  for (std::size_t from = 0; from < size_; from += kBlock) {
+    const std::size_t end = std::min(size_, from + kBlock);
+    last_token_ =
+        std::max<std::uint32_t>(last_token_, kernels::tokens(values_.data() + from, tokens_.data() + from, end - from));
+    for (std::size_t i = from; i < end; ++i) {
+      used |= std::uint64_t{1} << contexts_[i];
+      ++counts_[contexts_[i]][tokens_[i]];
     }
   }
+  used_ = used;
+  if (last_token_ >= kDirectTokens) find_plain();
   counted_ = true;
+}
+
+void SymbolWriter::find_plain() {
+  constexpr std::uint64_t kDirectBits = (kDirectTokens - 1) * 0x0101'0101'0101'0101U;
+  for (std::size_t from = 0; from < size_; from += kStride) { // most eights have none
+    std::uint64_t eight;
+    std::memcpy(&eight, tokens_.data() + from, sizeof eight);
+    if ((eight & ~kDirectBits) == 0) continue;
+    for (std::size_t i = from; i < std::min(size_, from + kStride); ++i)
+      if (tokens_[i] >= kDirectTokens) plain_.push_back(static_cast<std::uint32_t>(i));
+  }
 }
 
 // Contexts stand in the order of growing residuals. Neighbours share a table where that is cheaper than two tables.
@@ -165,7 +171,7 @@ void SymbolWriter::write_symbols(Bytes& to) {
   BitWriter bits(words_);
   for (const std::uint32_t i : plain_) {
     const TokenRange& range = kTokenRanges[tokens_[i]];
-    bits.put(folded_[i] - range.first, range.bits);
+    bits.put(fold(values_[i]) - range.first, range.bits);
   }
   bits.flush();
   put_varint(to, words_.size());

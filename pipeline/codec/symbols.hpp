@@ -38,13 +38,13 @@ public:
 private:
   void grow(std::size_t more);
   void count();
+  void find_plain();
   void choose_tables();
   void write_symbols(Bytes& to);
 
   // The first size_ of these count; the others are memory.
   std::vector<std::int32_t> values_;
   std::vector<std::uint8_t> contexts_;
-  std::vector<std::uint32_t> folded_;
   std::vector<std::uint8_t> tokens_;
   std::size_t size_ = 0;
   bool counted_ = false;             ///< what follows holds for all values
