@@ -36,6 +36,7 @@ inline constexpr auto kLogTable = [] {
 /// log2(x) in units of 2^-kLogBits, x > 0.
 [[nodiscard]] constexpr std::uint32_t log2_fixed(std::uint32_t x) noexcept {
   const auto octave = static_cast<unsigned>(std::bit_width(x)) - 1;
+  // NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult): x > 0
   const std::uint32_t mantissa = octave >= 8 ? x >> (octave - 8) : x << (8 - octave);
   return (octave << kLogBits) + kLogTable[mantissa - 256];
 }
