@@ -18,8 +18,8 @@ namespace {
 //
 // Every Reals type: kLanes doubles; load from int32,
 // set1; sub, add, mul, mul_add, mul_sub (fused or not: what they give must be exact either way); abs, max, min; top, the
-// largest lane; M, a set of lanes: first(count); inside(dot, length), 0 < dot < length; keep(M, V); equal; at_least; both,
-// without; bits.
+// largest lane; store; M, a set of lanes: first(count); inside(dot, length), 0 < dot < length; keep(M, V); pick(M, yes, no);
+// equal; at_least; greater; both, either, without; bits.
 
 #if defined(__AVX2__)
 
@@ -118,6 +118,10 @@ struct Reals {
   static M both(M a, M b) { return static_cast<M>(a & b); }
   static M at_least(V a, V b) { return _mm512_cmp_pd_mask(a, b, _CMP_GE_OQ); }
   static M without(M a, M b) { return static_cast<M>(a & ~b); }
+  static M either(M a, M b) { return static_cast<M>(a | b); }
+  static M greater(V a, V b) { return _mm512_cmp_pd_mask(a, b, _CMP_GT_OQ); }
+  static V pick(M m, V yes, V no) { return _mm512_mask_mov_pd(no, m, yes); }
+  static void store(double* to, V a) { _mm512_storeu_pd(to, a); }
   static std::uint32_t bits(M m) { return m; }
 };
 
@@ -157,6 +161,10 @@ struct Reals {
   static M both(M a, M b) { return _mm256_and_pd(a, b); }
   static M at_least(V a, V b) { return _mm256_cmp_pd(a, b, _CMP_GE_OQ); }
   static M without(M a, M b) { return _mm256_andnot_pd(b, a); }
+  static M either(M a, M b) { return _mm256_or_pd(a, b); }
+  static M greater(V a, V b) { return _mm256_cmp_pd(a, b, _CMP_GT_OQ); }
+  static V pick(M m, V yes, V no) { return _mm256_blendv_pd(no, yes, m); }
+  static void store(double* to, V a) { _mm256_storeu_pd(to, a); }
   static std::uint32_t bits(M m) { return static_cast<std::uint32_t>(_mm256_movemask_pd(m)); }
 };
 
@@ -274,6 +282,15 @@ struct Reals {
   static M both(M a, M b) { return a & b; }
   static M at_least(V a, V b) { return pair(a.lane[0] >= b.lane[0], a.lane[1] >= b.lane[1]); }
   static M without(M a, M b) { return a & ~b; }
+  static M either(M a, M b) { return a | b; }
+  static M greater(V a, V b) { return pair(a.lane[0] > b.lane[0], a.lane[1] > b.lane[1]); }
+  static V pick(M m, V yes, V no) {
+    return {{(m & 1U) != 0 ? yes.lane[0] : no.lane[0], (m & 2U) != 0 ? yes.lane[1] : no.lane[1]}};
+  }
+  static void store(double* to, V a) {
+    to[0] = a.lane[0];
+    to[1] = a.lane[1];
+  }
   static std::uint32_t bits(M m) { return m; }
 };
 

@@ -45,34 +45,50 @@ public:
   void find_more(Batch& batch, unsigned i) const {
     const auto [a, b] = batch.interval[i];
     const Chord chord(job_, a, b);
-    V most = R::set1(0);
+    Top top;
     V nearest = chord.length;
     V farthest = R::set1(0);
-    std::uint32_t k = a + 1;
-    for (; k + R::kLanes <= b; k += R::kLanes) {
+    const auto measure = [&](std::uint32_t k) {
       const Step d = step(chord, k);
       const V dot = dot_of(chord, d);
-      most = R::max(most, cross_of(chord, d));
       nearest = R::min(nearest, dot);
       farthest = R::max(farthest, dot);
+      return cross_of(chord, d);
+    };
+    std::uint32_t k = a + 1;
+    for (; k + kStretch <= b; k += kStretch) {
+      V most = measure(k);
+#pragma GCC unroll 4
+      for (unsigned v = 1; v < kTogether; ++v) most = R::max(most, measure(k + v * R::kLanes));
+      top.see(most, k);
     }
-    const auto all_lanes = R::first(R::kLanes);
-    std::uint32_t outside = 0;
-    if (k > a + 1)
-      outside = R::bits(R::without(all_lanes, R::both(R::inside(nearest, chord.length), R::inside(farthest, chord.length))));
+    const std::uint32_t whole = k; // stretches before, single vectors from here on
+    for (; k + R::kLanes <= b; k += R::kLanes) top.see(measure(k), k);
+    std::uint32_t outside =
+        R::bits(R::without(R::first(R::kLanes), R::both(R::inside(nearest, chord.length), R::inside(farthest, chord.length))));
     if (k < b) {
       const auto lanes = R::first(b - k);
       const Step d = step(chord, k);
-      most = R::max(most, R::keep(lanes, cross_of(chord, d)));
+      top.see(R::keep(lanes, cross_of(chord, d)), k);
       outside |= R::bits(R::without(lanes, R::inside(dot_of(chord, d), chord.length)));
     }
     if (outside != 0) return find_mixed(batch, i);
-    const double top = R::top(most);
-    const V all = R::set1(top);
-    const std::uint32_t best = closest_marked(a, b, R::kLanes, [&](std::uint32_t first, unsigned count) {
+    const double cross = R::top(top.most);
+    const V all = R::set1(cross);
+    const auto marked = [&](std::uint32_t first, unsigned count) {
       return R::bits(R::equal(cross_of(chord, step(chord, first)), all)) & ((1U << count) - 1U);
-    });
-    batch.put(i, best, top * top, chord.squared);
+    };
+    std::uint64_t mask = 0;
+    const std::uint32_t first = top.only(all);
+    if (first != 0) {
+      const std::uint32_t end = first < whole ? first + kStretch : smaller(b, first + R::kLanes);
+      for (std::uint32_t at = first; at < end; at += R::kLanes)
+        mask |= std::uint64_t{marked(at, smaller(end - at, R::kLanes))} << (at - first);
+    }
+    const bool alone = mask != 0 && (mask & (mask - 1)) == 0;
+    const std::uint32_t best =
+        alone ? first + static_cast<std::uint32_t>(__builtin_ctzll(mask)) : closest_marked(a, b, R::kLanes, marked);
+    batch.put(i, best, cross * cross, chord.squared);
   }
 
   /// Some inner points lie beyond the ends of the chord: there the distance to the end counts.
@@ -122,6 +138,29 @@ public:
 private:
   using R = Reals;
   using V = typename R::V;
+  // Where the maximum is, is noted once for so many vectors.
+  static constexpr unsigned kTogether = 4;
+  static constexpr unsigned kStretch = kTogether * R::kLanes;
+
+  /// The maximum of each lane, in which stretch of points it was seen first, and whether an equal one was seen later.
+  struct Top {
+    V most = R::set1(0), at = R::set1(0);
+    typename R::M tied = R::first(0);
+
+    void see(V stretch, std::uint32_t first) {
+      tied = R::either(tied, R::equal(stretch, most));
+      at = R::pick(R::greater(stretch, most), R::set1(static_cast<double>(first)), at);
+      most = R::max(most, stretch);
+    }
+    /// The first point of the only stretch that has `top`; 0 when there may be several.
+    [[nodiscard]] std::uint32_t only(V top) const {
+      const std::uint32_t lanes = R::bits(R::equal(most, top));
+      if ((lanes & (lanes - 1)) != 0 || (lanes & R::bits(tied)) != 0) return 0;
+      double first[R::kLanes];
+      R::store(first, at);
+      return static_cast<std::uint32_t>(first[__builtin_ctz(lanes)]);
+    }
+  };
 
   struct Chord {
     V base_u, base_v, along_u, along_v, length;
@@ -151,7 +190,9 @@ private:
   [[nodiscard]] static V cross_of(const Chord& c, const Step& d) {
     return R::abs(R::mul_sub(d.v, c.along_u, R::mul(d.u, c.along_v)));
   }
-  [[nodiscard]] static V dot_of(const Chord& c, const Step& d) { return R::mul_add(d.u, c.along_u, R::mul(d.v, c.along_v)); }
+  [[nodiscard]] static V dot_of(const Chord& c, const Step& d) {
+    return R::mul_add(d.u, c.along_u, R::mul(d.v, c.along_v));
+  }
 
   const VectorJob& job_;
 };
