@@ -46,7 +46,8 @@ struct GroupEncoder::Impl {
   std::vector<std::uint32_t> vertices;           ///< of one run, scratch
   std::array<double, kMaxLevels + 1> farthest{}; // per alpha-width: the largest finite D
   std::vector<std::int32_t> ends;
-  bool followed = true; ///< the level before follows the line before
+  bool followed = true;                   ///< the level before follows the line before
+  std::array<bool, kMaxLevels> follows{}; ///< the level did so in the group before
   struct Trial {
     std::array<std::int32_t, kLevelModes> residual;
     std::uint32_t context;
@@ -64,7 +65,7 @@ struct GroupEncoder::Impl {
   void find_fan(const LineGroup& group);
   [[nodiscard]] std::int64_t remainder(const LineGroup& group, std::size_t axis, PointIndex i) const noexcept;
   void write_even_ends(const LineGroup& group, Bytes& to);
-  void write_level_positions(const LineGroup& group, std::span<const PointIndex> points, Bytes& to);
+  void write_level_positions(const LineGroup& group, std::uint8_t level, Bytes& to);
   void write_level(const LineGroup& group, std::uint8_t level, Bytes& to);
   void write_rest(const LineGroup& group, Bytes& to);
   void write_rest_axis(const LineGroup& group, std::size_t axis, Bytes& to);
@@ -164,16 +165,22 @@ void GroupEncoder::Impl::write_even_ends(const LineGroup& group, Bytes& to) {
 }
 
 // Following the line before pays where edges go on from line to line, and costs where vertices come and go with the noise.
-void GroupEncoder::Impl::write_level_positions(const LineGroup& group, std::span<const PointIndex> points, Bytes& to) {
+void GroupEncoder::Impl::write_level_positions(const LineGroup& group, std::uint8_t level, Bytes& to) {
   const auto attempt = [&](bool follow) {
     symbols.clear();
-    write_positions(group.runs, points, follow, state, symbols);
+    write_positions(group.runs, level_points[level], follow, state, symbols);
     return symbols.estimate();
   };
   // A level whose coarser one did not follow hardly ever does: its vertices are more like noise.
-  const std::uint64_t alone = attempt(false);
-  if (followed && attempt(true) > alone) {
-    followed = false;
+  if (followed) {
+    // What won in the group before is tried last: if it wins again, all is done.
+    bool& likely = follows[level];
+    const std::uint64_t unlikely_cost = attempt(!likely);
+    const std::uint64_t likely_cost = attempt(likely);
+    followed = likely ? likely_cost <= unlikely_cost : unlikely_cost <= likely_cost;
+    if (followed != likely) (void)attempt(followed);
+    likely = followed;
+  } else {
     (void)attempt(false);
   }
   to.push_back(std::byte{followed});
@@ -190,7 +197,7 @@ void GroupEncoder::Impl::write_level(const LineGroup& group, std::uint8_t level,
       if (run.count > 1) state.known.push_back(run.first + run.count - 1);
     }
   }
-  write_level_positions(group, level_points[level], to);
+  write_level_positions(group, level, to);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (scales[axis].even) continue;
     const auto& u = state.u[axis];
