@@ -33,13 +33,20 @@ void Cuts::add(double s0, double c0, double s1, double c1, BorderKind kind, bool
     std::swap(s0, s1);
     std::swap(c0, c1);
   }
-  segments_.push_back({{s0, c0, s1, c1, kind, backed}, track});
+  made_.push_back({{s0, c0, s1, c1, kind, backed}, track});
 }
 
 void Cuts::take_track(const Track& track, double settled) {
   const std::uint64_t id = track.id | (track.pass == Pass::crosswise ? Track::kCrosswiseBit : 0U);
   const std::size_t n = track.points.size();
-  for (std::size_t i = 0; i < n; ++i) {
+  std::size_t first = 0;
+  if (track.pass == Pass::lengthwise) { // points stand in order of c: what was taken before is behind
+    const auto next = std::upper_bound(track.points.begin(), track.points.end(), taken_,
+                                       [](double c, const TrackPoint& p) { return c < p.r; });
+    first = static_cast<std::size_t>(next - track.points.begin());
+    if (first > 0) --first;
+  }
+  for (std::size_t i = first; i < n; ++i) {
     const TrackPoint& p = track.points[i];
     if (!cuts(p)) continue;
     const double s = track.s_of(p), c = track.c_of(p);
@@ -60,13 +67,40 @@ void Cuts::take_track(const Track& track, double settled) {
   }
 }
 
+// What may lie within `reach` of the ends.
+void Cuts::find_targets(std::span<const End> ends, double reach) {
+  targets_.clear();
+  widest_ = 0.0;
+  if (ends.empty()) return;
+  const auto [first, last] =
+      std::minmax_element(ends.begin(), ends.end(), [](const End& a, const End& b) { return a.c < b.c; });
+  for (const std::vector<Owned>* list : {&coming_, &passing_}) {
+    for (const Owned& owned : *list) {
+      const CutSegment& g = owned.segment;
+      if (!g.backed || g.c1 < first->c - reach || g.c0 > last->c + reach) continue;
+      const double low = std::min(g.s0, g.s1);
+      targets_.push_back({low, &owned});
+      widest_ = std::max(widest_, std::max(g.s0, g.s1) - low);
+    }
+  }
+  std::sort(targets_.begin(), targets_.end(), [](const Target& a, const Target& b) { return a.low_s < b.low_s; });
+}
+
+std::span<const Cuts::Target> Cuts::targets_near(double s, double reach) const {
+  const auto first = std::lower_bound(targets_.begin(), targets_.end(), s - reach - widest_,
+                                      [](const Target& t, double low) { return t.low_s < low; });
+  const auto last =
+      std::upper_bound(first, targets_.end(), s + reach, [](double high, const Target& t) { return high < t.low_s; });
+  return {first, last};
+}
+
 // How far to go straight on: to the line that lies ahead, and a little beyond.
 double Cuts::ahead_of(const End& end, double u) const {
   double nearest = kAhead * u;
   bool met = false;
-  for (const Owned& owned : segments_) {
-    const CutSegment& g = owned.segment;
-    if (owned.track == end.track || !owned.segment.backed) continue;
+  for (const Target& target : targets_near(end.s, nearest)) {
+    const CutSegment& g = target.owned->segment;
+    if (target.owned->track == end.track) continue;
     if (g.c1 < end.c - nearest || g.c0 > end.c + nearest) continue;
     const double ls = g.s1 - g.s0, lc = g.c1 - g.c0;
     const double across = end.ds * lc - end.dc * ls;
@@ -83,9 +117,9 @@ double Cuts::ahead_of(const End& end, double u) const {
 void Cuts::extend(const End& end, const Sampling& sampling) {
   const double u = sampling.coarse(), reach = kReach * u;
   double best = std::numeric_limits<double>::infinity(), best_s = 0.0, best_c = 0.0;
-  for (const Owned& owned : segments_) {
-    if (owned.track == end.track || !owned.segment.backed) continue;
-    const CutSegment& g = owned.segment;
+  for (const Target& target : targets_near(end.s, reach)) {
+    if (target.owned->track == end.track) continue;
+    const CutSegment& g = target.owned->segment;
     if (g.c1 < end.c - reach || g.c0 > end.c + reach || std::max(g.s0, g.s1) < end.s - reach ||
         std::min(g.s0, g.s1) > end.s + reach)
       continue;
@@ -94,7 +128,7 @@ void Cuts::extend(const End& end, const Sampling& sampling) {
     const double square = ls * ls + lc * lc;
     const double t = square > 0.0 ? std::clamp(((end.s - g.s0) * ls + (end.c - g.c0) * lc) / square, 0.0, 1.0) : 0.0;
     const double s = g.s0 + t * ls, c = g.c0 + t * lc;
-    const double gap = std::hypot(s - end.s, c - end.c);
+    const double gap = std::sqrt((s - end.s) * (s - end.s) + (c - end.c) * (c - end.c));
     if (gap > reach) continue;
     const double ahead = (s - end.s) * end.ds + (c - end.c) * end.dc;
     if (gap > 0.5 * u && ahead < 0.0) continue;
@@ -112,13 +146,21 @@ void Cuts::extend(const End& end, const Sampling& sampling) {
 }
 
 void Cuts::take(std::span<Track* const> tracks, double settled, const Sampling& sampling) {
+  const auto keep = [&] {
+    coming_.insert(coming_.end(), made_.begin(), made_.end());
+    made_.clear();
+  };
   for (const Track* track : tracks)
     if (!track->points.empty()) take_track(*track, settled);
+  keep();
   taken_ = settled;
-  const double known = settled - kAhead * sampling.coarse();
-  const auto ready = std::stable_partition(ends_.begin(), ends_.end(), [&](const End& e) { return e.c > known; });
+  const double reach = kAhead * sampling.coarse();
+  const auto ready = std::stable_partition(ends_.begin(), ends_.end(), [&](const End& e) { return e.c > settled - reach; });
+  find_targets({ready, ends_.end()}, reach);
   for (auto it = ready; it != ends_.end(); ++it) extend(*it, sampling);
   ends_.erase(ready, ends_.end());
+  keep();
+  std::sort(coming_.begin(), coming_.end(), [](const Owned& a, const Owned& b) { return a.segment.c0 > b.segment.c0; });
 }
 
 double Cuts::complete(double settled, const Sampling& sampling) const noexcept {
@@ -128,9 +170,10 @@ double Cuts::complete(double settled, const Sampling& sampling) const noexcept {
 void Cuts::at(double last_c, double c, double pitch, std::vector<Cut>& in_line, std::vector<Cut>& across) {
   in_line.clear();
   across.clear();
-  for (const Owned& owned : segments_) {
+  for (; !coming_.empty() && coming_.back().segment.c0 <= c; coming_.pop_back()) passing_.push_back(coming_.back());
+  for (const Owned& owned : passing_) {
     const CutSegment& g = owned.segment;
-    if (g.c0 > c || g.c1 < last_c) continue;
+    if (g.c1 < last_c) continue;
     const double run = g.c1 - g.c0;
     const auto place = [&](double at) { return run > 0.0 ? g.s0 + (g.s1 - g.s0) * (at - g.c0) / run : g.s0; };
     if (g.c0 <= c && c < g.c1) in_line.push_back({place(c), 0, g.kind, g.backed});
@@ -143,7 +186,7 @@ void Cuts::at(double last_c, double c, double pitch, std::vector<Cut>& in_line, 
       across.push_back({static_cast<double>(j) * pitch, j, g.kind, g.backed});
   }
   // Nothing is asked for below c again; ends still look a little behind them.
-  std::erase_if(segments_, [&](const Owned& o) { return o.segment.c1 < last_c; });
+  std::erase_if(passing_, [&](const Owned& o) { return o.segment.c1 < last_c; });
   std::sort(in_line.begin(), in_line.end(), [](const Cut& a, const Cut& b) { return a.s < b.s; });
   std::sort(across.begin(), across.end(),
             [](const Cut& a, const Cut& b) { return a.column != b.column ? a.column < b.column : a.backed > b.backed; });

@@ -44,7 +44,8 @@ public:
   /// The scan goes on somewhere else.
   void restart() noexcept {
     taken_ = -1e300;
-    segments_.clear();
+    coming_.clear();
+    passing_.clear();
     ends_.clear();
   }
 
@@ -58,14 +59,26 @@ private:
     CutSegment segment;
     std::uint64_t track = 0;
   };
+  /// A segment that ends may run into.
+  struct Target {
+    double low_s = 0.0; ///< mm
+    const Owned* owned = nullptr;
+  };
   void take_track(const Track& track, double settled);
+  void find_targets(std::span<const End> ends, double reach);
+  [[nodiscard]] std::span<const Target> targets_near(double s, double reach) const;
   void extend(const End& end, const Sampling& sampling);
   [[nodiscard]] double ahead_of(const End& end, double u) const;
   void add(double s0, double c0, double s1, double c1, BorderKind kind, bool backed, std::uint64_t track);
 
   double taken_ = -1e300;
-  std::vector<Owned> segments_; ///< not yet behind the lines asked for
-  std::vector<End> ends_;       ///< waiting for what is near them
+  std::vector<Owned> coming_;  ///< ahead of the lines asked for, the nearest last
+  std::vector<Owned> passing_; ///< begun and not yet behind them
+  std::vector<End> ends_;      ///< waiting for what is near them
+  // While ends are made longer:
+  std::vector<Target> targets_; ///< by low_s
+  double widest_ = 0.0;         ///< mm along the lines, of the targets
+  std::vector<Owned> made_;
 };
 
 } // namespace scansion

@@ -123,7 +123,7 @@ void FeatureStage::Impl::process(const RawLine& line, FeatureReport& report) {
   clean_spikes(profile, sampling.noise, averages ? nullptr : &ranker);
   if (averages) average_pairs(profile, sampling, ranker, pairs);
   finder.add(averages ? pairs : profile, looked_at(), curves);
-  patches->hold(profile);
+  patches->hold(profile, sampling);
   junctions.add_row(profile);
   // By lines and not by groups: what is found must not depend on how lines are grouped.
   if (finder.has_settled()) publish(report);

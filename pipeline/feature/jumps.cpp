@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace scansion {
 
@@ -13,8 +14,7 @@ constexpr double kWallSlope = 1.7320508;     // tan 60: a wall of 80 degrees wit
 constexpr std::uint32_t kMostIntervals = 16; // more are a slope that may be smooth
 constexpr double kBeside = 2.5;              // pitches from a step's cut to the wall that it stands for
 constexpr double kAtOnce = 1.1;              // and from that of a crease
-constexpr double kHole = 1.2;                // pitches from a column to its sample
-constexpr double kPhase = 0.27;              // of a pitch: samples often stand on columns or midway between them
+constexpr std::size_t kBlock = 32;           // samples looked at together: hardly any is a wall
 
 double least_wall(const Sampling& sampling) noexcept {
   return std::max(8.0 * sampling.noise, 0.09);
@@ -27,122 +27,145 @@ auto find_column(const auto& sorted, std::int64_t column) noexcept {
 }
 
 bool has(const auto& sorted, std::int64_t column) noexcept {
-  return find_column(sorted, column) != sorted.end();
+  return !sorted.empty() && find_column(sorted, column) != sorted.end();
 }
+
+/// Looks for steep intervals of a row.
+class SteepFinder {
+public:
+  SteepFinder(const PatchRow& row, double least)
+      : row_(row), least_(least), coarse_(static_cast<float>(kAlmost * std::max(least, kWallSlope * row.least_step))) {}
+
+  [[nodiscard]] bool is_steep(std::uint32_t k) const noexcept {
+    const double dw = std::abs(row_.w[k + 1] - row_.w[k]);
+    return dw > least_ && dw > kWallSlope * (row_.s[k + 1] - row_.s[k]);
+  }
+  /// The next one from sample `k` on that ends no later than `last`, or `last`.
+  [[nodiscard]] std::uint32_t next(std::uint32_t k, std::uint32_t last) const noexcept {
+    while (k < last) {
+      const auto stop = std::min<std::uint32_t>(k + kBlock, last);
+      if (row_.in_order && stop < row_.height.size() && !may_be_steep(row_.height.data() + k, stop - k)) k = stop;
+      while (k < stop && !is_steep(k)) ++k;
+      if (k < stop) return k;
+    }
+    return last;
+  }
+
+private:
+  static constexpr double kAlmost = 0.99; // heights by columns are rounded
+
+  [[nodiscard]] bool may_be_steep(const float* w, std::size_t count) const noexcept {
+    std::uint32_t any = 0;
+    for (std::size_t i = 0; i < count; ++i) any |= static_cast<std::uint32_t>(std::abs(w[i + 1] - w[i]) > coarse_);
+    return any != 0;
+  }
+
+  const PatchRow& row_;
+  double least_;
+  float coarse_; ///< what is no higher cannot be steep
+};
 
 } // namespace
 
-void PatchRow::find_columns(double pitch) {
-  if (!standing.empty() || s.empty()) return;
-  const auto n = static_cast<std::uint32_t>(s.size());
-  first_column = static_cast<std::int64_t>(std::ceil(s.front() / pitch - kPhase));
-  const auto last = static_cast<std::int64_t>(std::floor(s.back() / pitch + kPhase));
-  std::uint32_t k = 0;
-  for (std::int64_t j = first_column; j <= last; ++j) {
-    // The last one up to it.
-    const double place = static_cast<double>(j) * pitch, limit = place + kPhase * pitch;
-    while (k < n && s[k] <= limit) ++k;
-    const auto near = [&](std::uint32_t i) { return std::abs(s[i] - place) <= kHole * pitch; };
-    standing.push_back(k > 0 && near(k - 1) ? k - 1 : k < n && near(k) ? k : kNoSample);
-  }
-}
-
-std::int64_t pair_columns(const PatchRow& before, const PatchRow& now, std::vector<ColumnPair>& pairs) {
-  pairs.clear();
-  if (before.s.empty() || now.s.empty()) return 0;
-  const std::int64_t first = std::min(before.first_column, now.first_column);
-  const std::int64_t end = std::max(before.end_column(), now.end_column());
-  for (std::int64_t j = first; j < end; ++j) pairs.push_back({before.at(j), now.at(j)});
-  return first;
-}
-
-void Jumps::in_line(const PatchRow& row, const Sampling& sampling, std::vector<Cut>& cuts) {
-  const double least = least_wall(sampling);
+void Jumps::find_walls(const PatchRow& row, double least) {
   walls_.clear();
+  const SteepFinder steep(row, 0.5 * least);
+  const double* w = row.w.data();
   std::uint32_t begin = 0;
   for (const std::uint32_t end : row.ends) {
-    for (std::uint32_t k = begin; k + 1 < end;) {
-      const double dw = row.w[k + 1] - row.w[k];
-      const auto is_wall = [&](std::uint32_t i) {
-        const double d = row.w[i + 1] - row.w[i];
-        return std::abs(d) > 0.5 * least && d * dw > 0.0 && std::abs(d) > kWallSlope * (row.s[i + 1] - row.s[i]);
-      };
-      if (!is_wall(k)) {
-        ++k;
-        continue;
-      }
+    const std::uint32_t last = end - 1;
+    for (std::uint32_t k = steep.next(begin, last); k < last;) {
+      const double dw = w[k + 1] - w[k];
       std::uint32_t after = k + 1;
-      while (after + 1 < end && is_wall(after)) ++after;
-      if (after - k <= kMostIntervals && std::abs(row.w[after] - row.w[k]) > least) {
+      while (after < last && (w[after + 1] - w[after]) * dw > 0.0 && steep.is_steep(after)) ++after;
+      if (after - k <= kMostIntervals && std::abs(w[after] - w[k]) > least) {
         walls_.push_back(k);
         if (after - k > 1) walls_.push_back(after - 1);
       }
-      k = after;
+      k = steep.next(after, last);
     }
     begin = end;
   }
+}
+
+void Jumps::in_line(const PatchRow& row, const Sampling& sampling, std::vector<Cut>& cuts) {
+  find_walls(row, least_wall(sampling));
   if (walls_.empty()) return;
-  merged_.clear();
+  parting_.clear();
   for (const std::uint32_t k : walls_) {
     Cut cut;
     cut.s = 0.5 * (row.s[k] + row.s[k + 1]);
     cut.kind = BorderKind::step;
     cut.backed = false;
-    merged_.push_back(cut);
+    parting_.push_back(cut);
   }
-  const std::size_t walls = merged_.size();
-  for (const Cut& cut : cuts) {
+  std::erase_if(cuts, [&](const Cut& cut) {
+    const double reach = (cut.kind == BorderKind::step ? kBeside : kAtOnce) * sampling.pitch;
     bool moved = false;
-    for (std::size_t i = 0; i < walls; ++i) {
-      if (std::abs(merged_[i].s - cut.s) > (cut.kind == BorderKind::step ? kBeside : kAtOnce) * sampling.pitch) continue;
-      merged_[i].backed = merged_[i].backed || cut.backed;
+    for (Cut& wall : parting_) {
+      if (std::abs(wall.s - cut.s) > reach) continue;
+      wall.backed = wall.backed || cut.backed;
       moved = true;
     }
-    if (!moved) merged_.push_back(cut);
-  }
-  std::sort(merged_.begin(), merged_.end(), [](const Cut& a, const Cut& b) { return a.s < b.s; });
+    return moved;
+  });
+  merged_.clear();
+  std::merge(parting_.begin(), parting_.end(), cuts.begin(), cuts.end(), std::back_inserter(merged_),
+             [](const Cut& a, const Cut& b) { return a.s < b.s; });
   std::swap(cuts, merged_);
 }
 
-void Jumps::find(const PatchRow& before, const PatchRow& now, std::int64_t first, const std::vector<ColumnPair>& pairs,
-                 const Sampling& sampling, std::vector<Wall>& out) {
+void Jumps::find(const PatchRow& before, const PatchRow& now, const Sampling& sampling, std::vector<Wall>& out) {
   out.clear();
-  const double least = std::max(least_wall(sampling), kWallSlope * (now.c - before.c));
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    if (pairs[i].before == ColumnPair::kNone || pairs[i].now == ColumnPair::kNone) continue;
-    const double dw = now.w[pairs[i].now] - before.w[pairs[i].before];
-    if (std::abs(dw) > least) out.push_back({first + static_cast<std::int64_t>(i), dw > 0.0});
+  const auto least = static_cast<float>(std::max(least_wall(sampling), kWallSlope * (now.c - before.c)));
+  const std::int64_t first = std::max(before.first_column, now.first_column);
+  const std::int64_t end = std::min(before.end_column(), now.end_column());
+  if (first >= end) return;
+  const float* a = before.height.data() + (first - before.first_column);
+  const float* b = now.height.data() + (first - now.first_column);
+  const auto columns = static_cast<std::size_t>(end - first);
+  for (std::size_t i = 0; i < columns; i += kBlock) {
+    const std::size_t stop = std::min(columns, i + kBlock);
+    std::uint32_t any = 0;
+    for (std::size_t j = i; j < stop; ++j) any |= static_cast<std::uint32_t>(std::abs(b[j] - a[j]) > least);
+    if (any == 0) continue;
+    for (std::size_t j = i; j < stop; ++j)
+      if (std::abs(b[j] - a[j]) > least) out.push_back({first + static_cast<std::int64_t>(j), b[j] > a[j]});
   }
 }
 
-void Jumps::across(const PatchRow& before, const PatchRow& now, const PatchRow* next, std::int64_t first,
-                   const std::vector<ColumnPair>& pairs, double pitch, const Sampling& sampling, std::vector<Cut>& cuts) {
-  find(before, now, first, pairs, sampling, here_);
+void Jumps::across(const PatchRow& before, const PatchRow& now, const PatchRow* next, double pitch, const Sampling& sampling,
+                   std::vector<Cut>& cuts) {
+  if (known_)
+    std::swap(here_, below_);
+  else
+    find(before, now, sampling, here_);
   below_.clear();
-  if (next != nullptr) {
-    const std::int64_t start = pair_columns(now, *next, pairs_);
-    find(now, *next, start, pairs_, sampling, below_);
-  }
+  known_ = next != nullptr;
+  if (known_) find(now, *next, sampling, below_);
   // Of a wall that shows samples, the first interval parts and the last one.
   parting_.clear();
   for (const Wall& wall : here_) {
     const auto up = find_column(above_, wall.column), down = find_column(below_, wall.column);
     const bool goes_on = up != above_.end() && up->rises == wall.rises && down != below_.end() && down->rises == wall.rises;
-    if (!goes_on) parting_.push_back(wall);
-  }
-  merged_.clear();
-  for (const Cut& cut : cuts) {
-    const bool moved =
-        cut.kind == BorderKind::step && (has(above_, cut.column) || has(here_, cut.column) || has(below_, cut.column));
-    if (!moved && !has(parting_, cut.column)) merged_.push_back(cut);
-  }
-  for (const Wall& wall : parting_) {
+    if (goes_on) continue;
     const auto known = find_column(cuts, wall.column);
     const bool backed = known != cuts.end() && known->backed;
-    merged_.push_back({static_cast<double>(wall.column) * pitch, wall.column, BorderKind::step, backed});
+    parting_.push_back({static_cast<double>(wall.column) * pitch, wall.column, BorderKind::step, backed});
   }
-  std::sort(merged_.begin(), merged_.end(), [](const Cut& a, const Cut& b) { return a.column < b.column; });
-  std::swap(cuts, merged_);
+  if (!(above_.empty() && here_.empty() && below_.empty())) {
+    std::erase_if(cuts, [&](const Cut& cut) {
+      const bool moved =
+          cut.kind == BorderKind::step && (has(above_, cut.column) || has(here_, cut.column) || has(below_, cut.column));
+      return moved || has(parting_, cut.column);
+    });
+  }
+  if (!parting_.empty()) {
+    merged_.clear();
+    std::merge(cuts.begin(), cuts.end(), parting_.begin(), parting_.end(), std::back_inserter(merged_),
+               [](const Cut& a, const Cut& b) { return a.column < b.column; });
+    std::swap(cuts, merged_);
+  }
   std::swap(above_, here_);
 }
 

@@ -10,40 +10,33 @@
 
 namespace scansion {
 
-/// A column in two successive rows: the sample of each that stands there, or kNone.
-struct ColumnPair {
-  static constexpr std::uint32_t kNone = PatchRow::kNoSample;
-  std::uint32_t before = kNone, now = kNone;
-};
-
-/// The columns from `first` on that two rows span together, at multiples of the pitch; both know theirs. Fills `pairs`; returns
-/// the first column.
-std::int64_t pair_columns(const PatchRow& before, const PatchRow& now, std::vector<ColumnPair>& pairs);
-
 /// Thread-bound: holds scratch.
 class Jumps {
 public:
   /// Adds the walls of the row to its cuts; a step's cut beside a wall moves to it.
   void in_line(const PatchRow& row, const Sampling& sampling, std::vector<Cut>& cuts);
-  /// The same for the columns between `before` and `now`, whose samples are `pairs` from column `first` on. `next` follows
-  /// `now`, or is null.
-  void across(const PatchRow& before, const PatchRow& now, const PatchRow* next, std::int64_t first,
-              const std::vector<ColumnPair>& pairs, double pitch, const Sampling& sampling, std::vector<Cut>& cuts);
-  void restart() noexcept { above_.clear(); }
+  /// The same for the columns between `before` and `now`. `next` follows `now`, or is null. Call with successive rows.
+  void across(const PatchRow& before, const PatchRow& now, const PatchRow* next, double pitch, const Sampling& sampling,
+              std::vector<Cut>& cuts);
+  /// The rows that follow have nothing to do with those before.
+  void restart() noexcept {
+    above_.clear();
+    below_.clear();
+    known_ = false;
+  }
 
 private:
   struct Wall {
     std::int64_t column = 0;
     bool rises = false;
   };
-  static void find(const PatchRow& before, const PatchRow& now, std::int64_t first, const std::vector<ColumnPair>& pairs,
-                   const Sampling& sampling, std::vector<Wall>& out);
+  static void find(const PatchRow& before, const PatchRow& now, const Sampling& sampling, std::vector<Wall>& out);
+  void find_walls(const PatchRow& row, double least);
 
   std::vector<Wall> above_, here_, below_; ///< walls before, between and after the two rows, by column
-  std::vector<Wall> parting_;
-  std::vector<ColumnPair> pairs_;
-  std::vector<std::uint32_t> walls_; ///< of a row: sample before each
-  std::vector<Cut> merged_;
+  bool known_ = false;                     ///< `below_` holds those of the rows that come next
+  std::vector<std::uint32_t> walls_;       ///< of a row: sample before each
+  std::vector<Cut> parting_, merged_;
 };
 
 } // namespace scansion

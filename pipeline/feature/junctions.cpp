@@ -32,7 +32,7 @@ Foot foot_of(double s, double c, const std::array<double, 3>& from, const std::a
   const double square = ls * ls + lc * lc;
   const double t = square > 0.0 ? std::clamp(((s - from[0]) * ls + (c - from[2]) * lc) / square, 0.0, 1.0) : 0.0;
   Foot foot{from[0] + t * ls, from[1] + t * lw, from[2] + t * lc, 0.0};
-  foot.gap = std::hypot(foot.s - s, foot.c - c);
+  foot.gap = std::sqrt((foot.s - s) * (foot.s - s) + (foot.c - c) * (foot.c - c));
   return foot;
 }
 
@@ -78,6 +78,27 @@ void Junctions::make_segments(const Curve& curve, const Sampling& sampling) {
   }
 }
 
+// What may matter to the curve, so that each of its points and ends looks at little.
+void Junctions::gather(const Curve& curve, const Sampling& sampling) {
+  near_.clear();
+  beside_.clear();
+  beside_boxes_.clear();
+  Box around;
+  for (const CurvePoint& p : curve.points) around.add(p.s, p.c);
+  const double reach = std::max(kReach, kBeside) * sampling.coarse();
+  const bool step = !own_.empty() && own_.front().step;
+  for (const Segment& g : segments_) {
+    const Box box = Box::of(g);
+    if (!around.is_near(box, reach)) continue;
+    if (g.convex == curve.convex) {
+      if (g.line != curve.id) near_.push_back(g);
+    } else if (step && g.step) {
+      beside_.push_back(g);
+      beside_boxes_.push_back(box);
+    }
+  }
+}
+
 bool Junctions::is_at_border(const Tip& tip, const Sampling& sampling) const {
   if (tip.c < first_c_ + kBorder * sampling.spacing) return true;
   const auto row = std::lower_bound(rows_.begin(), rows_.end(), tip.c, [](const Row& r, double c) { return r.c < c; });
@@ -92,8 +113,7 @@ void Junctions::meet_end(Curve& curve, bool back, const Sampling& sampling) {
   const Tip tip = tip_of(curve, back);
   const Segment* best = nullptr;
   double least = 0.0;
-  for (const Segment& g : segments_) {
-    if (g.line == curve.id || g.convex != curve.convex) continue;
+  for (const Segment& g : near_) {
     const double gap = gap_to(tip, g.from, g.to, sampling);
     if (gap < 0.0 || (best != nullptr && gap >= least)) continue;
     best = &g;
@@ -113,7 +133,7 @@ void Junctions::meet_end(Curve& curve, bool back, const Sampling& sampling) {
 // The edges of a step stand above each other.
 void Junctions::find_partner(Curve& curve, const Sampling& sampling) const {
   constexpr std::size_t kSamples = 32;
-  if (own_.empty() || !own_.front().step) return;
+  if (beside_.empty()) return;
   const std::size_t stride = std::max<std::size_t>(1, curve.points.size() / kSamples);
   std::map<std::uint64_t, std::size_t> votes;
   std::size_t samples = 0;
@@ -121,10 +141,9 @@ void Junctions::find_partner(Curve& curve, const Sampling& sampling) const {
     const CurvePoint& p = curve.points[k];
     const Segment* best = nullptr;
     double least = kBeside * sampling.coarse();
-    for (const Segment& g : segments_) {
-      if (!g.step || g.convex == curve.convex || std::max(g.from[2], g.to[2]) < p.c - least ||
-          std::min(g.from[2], g.to[2]) > p.c + least)
-        continue;
+    for (std::size_t i = 0; i < beside_.size(); ++i) {
+      if (!beside_boxes_[i].is_near({p.s, p.s, p.c, p.c}, least)) continue;
+      const Segment& g = beside_[i];
       const Foot foot = foot_of(p.s, p.c, g.from, g.to);
       if (foot.gap > least || (foot.w < p.w) != curve.convex) continue; // the bottom below the top
       best = &g;
@@ -138,6 +157,7 @@ void Junctions::find_partner(Curve& curve, const Sampling& sampling) const {
 
 void Junctions::meet(Curve& curve, const Sampling& sampling) {
   make_segments(curve, sampling);
+  gather(curve, sampling);
   if (curve.loop && !curve.front.seam && !curve.back.seam) {
     curve.front.why = curve.back.why = FeatureEnd::cap;
   } else {
@@ -160,7 +180,8 @@ void Junctions::forget() {
   const double horizon = rows_.empty() ? -1e300 : rows_.front().c;
   std::erase_if(segments_, [&](const Segment& g) { return std::max(g.from[2], g.to[2]) < horizon; });
   std::erase_if(loose_, [&](const Loose& l) { return l.tip.c < horizon; });
-  while (segments_.size() > kSegments) segments_.pop_front();
+  if (segments_.size() > kSegments)
+    segments_.erase(segments_.begin(), segments_.begin() + static_cast<std::ptrdiff_t>(segments_.size() - kSegments));
   while (loose_.size() > kLoose) loose_.pop_front();
 }
 

@@ -3,6 +3,7 @@
 #include "pipeline/feature/patch_graph.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace scansion {
 
@@ -38,7 +39,7 @@ std::uint32_t PatchGraph::unite(std::uint32_t a, std::uint32_t b, std::vector<Pa
   if (a == b) return a;
   const std::uint32_t into = std::min(a, b), from = std::max(a, b);
   const auto at = nodes_.find(from);
-  PatchNode& to = nodes_.at(into);
+  PatchNode& to = node(into);
   PatchNode& gone = at->second;
   to.borders.erase(from);
   for (const auto& [other, border] : gone.borders) {
@@ -47,7 +48,7 @@ std::uint32_t PatchGraph::unite(std::uint32_t a, std::uint32_t b, std::vector<Pa
       continue;
     }
     to.borders[other].add(border);
-    PatchNode& neighbour = nodes_.at(other);
+    PatchNode& neighbour = node(other);
     neighbour.borders[into].add(neighbour.borders.at(from));
     neighbour.borders.erase(from);
   }
@@ -71,17 +72,53 @@ std::uint32_t PatchGraph::unite(std::uint32_t a, std::uint32_t b, std::vector<Pa
 
 void PatchGraph::forget(std::uint32_t id) {
   const auto at = nodes_.find(id);
-  for (const auto& [other, border] : at->second.borders) {
+  const PatchNode& gone = at->second;
+  for (const auto& [other, border] : gone.borders) {
     if (other == id) continue;
-    PatchNode& neighbour = nodes_.at(other);
+    PatchNode& neighbour = node(other);
     const auto mine = neighbour.borders.find(id);
     if (mine->second.total() > 0.0) {
-      (neighbour.encloses(at->second) ? neighbour.past_inside : neighbour.past_outside).add(mine->second);
+      (neighbour.encloses(gone) ? neighbour.past_inside : neighbour.past_outside).add(mine->second);
       add_past(neighbour.past, id);
     }
     neighbour.borders.erase(mine);
   }
   nodes_.erase(at);
+}
+
+void Edge::note(std::uint32_t a, std::uint32_t b, const Cut& cut, double length, const Vector3& at_a, const Vector3& at_b,
+                PatchGraph& graph) {
+  constexpr double kFar = 1e300;
+  if (!empty_ && (a != a_ || b != b_)) flush(graph);
+  if (empty_) {
+    a_ = a;
+    b_ = b;
+    empty_ = false;
+    border_ = Border();
+    rim_ = {};
+    gap_ = kFar;
+  }
+  border_.length[static_cast<std::size_t>(cut.kind)] += length;
+  if (cut.backed) border_.backed += length;
+  if (cut.kind == BorderKind::step) border_.height += (at_a[2] - at_b[2]) * length;
+  double square = 0.0;
+  for (std::size_t k = 0; k < rim_.size(); ++k) {
+    border_.rim[k] += at_a[k] * length;
+    rim_[k] += at_b[k] * length;
+    square += (at_a[k] - at_b[k]) * (at_a[k] - at_b[k]);
+  }
+  gap_ = std::min(gap_, square);
+}
+
+void Edge::flush(PatchGraph& graph) {
+  if (empty_) return;
+  empty_ = true;
+  border_.gap = std::sqrt(gap_);
+  graph.node(a_).borders[b_].add(border_);
+  if (a_ == b_) return; // a crease that ends inside a patch is one border, not two
+  border_.rim = rim_;
+  border_.height = -border_.height;
+  graph.node(b_).borders[a_].add(border_);
 }
 
 } // namespace scansion

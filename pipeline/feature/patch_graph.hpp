@@ -66,4 +66,20 @@ private:
   std::uint32_t next_ = 0;
 };
 
+/// What two patches share along successive samples; goes to the graph when others follow. Thread-bound.
+class Edge {
+public:
+  /// `length` mm of a cut between a sample of `a` and one of `b`, as (s, c, w).
+  void note(std::uint32_t a, std::uint32_t b, const Cut& cut, double length, const Vector3& at_a, const Vector3& at_b,
+            PatchGraph& graph);
+  void flush(PatchGraph& graph);
+
+private:
+  std::uint32_t a_ = 0, b_ = 0;
+  bool empty_ = true;
+  Border border_;               ///< as a has it
+  std::array<double, 3> rim_{}; ///< of b
+  double gap_ = 0.0;            ///< mm2, of the nearest two samples
+};
+
 } // namespace scansion

@@ -12,7 +12,6 @@ namespace scansion {
 
 namespace {
 
-constexpr double kDropout = 3.5;            // pitches between samples that still belong together
 constexpr std::int64_t kCloseAfter = 2;     // rows without a sample
 constexpr double kWide = 6.0;               // columns
 constexpr double kMostlyCut = 0.4;          // share of open columns below which a wide stretch begins a patch
@@ -26,40 +25,55 @@ constexpr double kFar = 3.6;                // spacings between rows that have n
 
 } // namespace
 
-void PatchGrower::hold(const Profile& profile) {
+void PatchGrower::hold(const Profile& profile, const Sampling& sampling) {
+  if (profile.size() == 0) return;
+  if (pitch_ == 0.0) {
+    pitch_ = sampling.pitch;
+    base_ = profile.w.front();
+  }
   PatchRow row;
   if (!spare_.empty()) {
     row = std::move(spare_.back());
     spare_.pop_back();
   }
-  row.take(profile);
-  rows_.push_back(std::move(row));
+  if (row.take(profile, pitch_, base_))
+    rows_.push_back(std::move(row));
+  else
+    spare_.push_back(std::move(row));
 }
 
 // Stretches of the row: ends of runs, dropouts and cuts part them.
-void PatchGrower::split(const PatchRow& row, const Sampling& sampling) {
+void PatchGrower::split(const PatchRow& row) {
   now_.clear();
+  auto hole = row.holes.begin();
+  auto cut = in_line_.begin();
+  auto after = row.s.begin(); // the first sample beyond the cut
+  Stretch open;
   std::uint32_t begin = 0;
-  std::size_t cut = 0;
-  for (const std::uint32_t end : row.ends) {
-    Stretch open;
+  const auto close = [&](std::uint32_t last) {
     open.first = begin;
-    for (std::uint32_t k = begin; k < end; ++k) {
-      const bool last = k + 1 == end;
-      const bool hole = !last && row.s[k + 1] - row.s[k] > kDropout * sampling.pitch;
-      while (cut < in_line_.size() && in_line_[cut].s < row.s[k]) ++cut;
-      const bool parted = !last && !hole && cut < in_line_.size() && in_line_[cut].s < row.s[k + 1];
-      if (!last && !hole && !parted) continue;
-      open.last = k;
-      open.s_low = row.s[open.first];
-      open.s_high = row.s[k];
-      now_.push_back(open);
-      open = Stretch();
-      open.first = k + 1;
-      open.cut_before = parted;
-      if (parted) open.cut = in_line_[cut];
+    open.last = last;
+    open.s_low = row.s[begin];
+    open.s_high = row.s[last];
+    now_.push_back(open);
+    open = Stretch();
+    begin = last + 1;
+  };
+  for (const std::uint32_t end : row.ends) {
+    while (begin < end) {
+      std::uint32_t last = end - 1;
+      while (hole != row.holes.end() && *hole < begin) ++hole;
+      if (hole != row.holes.end() && *hole < last) last = *hole;
+      while (cut != in_line_.end() && cut->s < row.s[begin]) ++cut;
+      if (cut != in_line_.end() && cut->s < row.s[last]) {
+        after = std::upper_bound(std::max(after, row.s.begin() + begin), row.s.begin() + last, cut->s);
+        close(static_cast<std::uint32_t>(after - row.s.begin()) - 1);
+        open.cut_before = true;
+        open.cut = *cut;
+        continue;
+      }
+      close(last);
     }
-    begin = end;
   }
 }
 
@@ -189,22 +203,6 @@ void PatchGrower::link(const Sampling& sampling, FeatureReport& report) {
   }
 }
 
-void PatchGrower::note_border(std::uint32_t a, std::uint32_t b, const Cut& cut, double length, const Vector3& at_a,
-                              const Vector3& at_b) {
-  const bool inside = a == b; // a crease that ends inside a patch is one border, not two
-  const double height = cut.kind == BorderKind::step ? at_a[2] - at_b[2] : 0.0;
-  const double gap = std::hypot(at_a[0] - at_b[0], at_a[1] - at_b[1], at_a[2] - at_b[2]);
-  for (const bool turned : {false, true}) {
-    if (turned && inside) break;
-    Border& border = graph_.node(turned ? b : a).borders[turned ? a : b];
-    border.length[static_cast<std::size_t>(cut.kind)] += length;
-    if (cut.backed) border.backed += length;
-    border.height += (turned ? -height : height) * length;
-    border.gap = std::min(border.gap, gap);
-    for (std::size_t k = 0; k < 3; ++k) border.rim[k] += (turned ? at_b : at_a)[k] * length;
-  }
-}
-
 // Sums and borders of the stretches of the row.
 void PatchGrower::measure(const PatchRow& row, const Sampling& sampling) {
   for (std::size_t i = 0; i < now_.size(); ++i) {
@@ -230,36 +228,45 @@ void PatchGrower::measure(const PatchRow& row, const Sampling& sampling) {
       graph_.node(left).open += sampling.spacing;
       continue;
     }
-    const Vector3 here{row.s[t.first], row.c, row.w[t.first]};
-    const Vector3 there{row.s[now_[i - 1].last], row.c, row.w[now_[i - 1].last]};
-    if (!t.held) note_border(t.patch, left, t.cut, sampling.spacing, here, there);
+    if (t.held) continue;
+    const std::uint32_t before = now_[i - 1].last;
+    edge_.note(t.patch, left, t.cut, sampling.spacing, {row.s[t.first], row.c, row.w[t.first]},
+               {row.s[before], row.c, row.w[before]}, graph_);
   }
+  edge_.flush(graph_);
 }
 
-// Borders across the lines: columns that are cut, with the patch on either side, and columns where one row has no sample.
-void PatchGrower::measure_across(const PatchRow& row, std::int64_t first_column) {
+// Borders across the lines: columns that are cut, with the patch on either side.
+void PatchGrower::measure_across(const PatchRow& row) {
   std::size_t a = 0, b = 0;
-  auto cut = across_.begin();
-  for (std::size_t i = 0; i < pairs_.size(); ++i) {
-    const ColumnPair& pair = pairs_[i];
-    while (pair.before != ColumnPair::kNone && above_[a].last < pair.before) ++a;
-    while (pair.now != ColumnPair::kNone && now_[b].last < pair.now) ++b;
-    const auto column = first_column + static_cast<std::int64_t>(i);
-    if (pair.before == ColumnPair::kNone || pair.now == ColumnPair::kNone) {
-      // Samples that are missing inside a row are no end of the data.
-      const double s = static_cast<double>(column) * pitch_;
-      const bool ends = s < std::max(row.s.front(), last_row_.s.front()) || s > std::min(row.s.back(), last_row_.s.back());
-      if (ends && pair.before != pair.now)
-        graph_.node(pair.now != ColumnPair::kNone ? now_[b].patch : above_[a].patch).open += pitch_;
-      continue;
-    }
-    while (cut != across_.end() && cut->column < column) ++cut;
-    if (cut == across_.end() || cut->column != column) continue;
-    const Vector3 here{row.s[pair.now], row.c, row.w[pair.now]};
-    const Vector3 there{last_row_.s[pair.before], last_row_.c, last_row_.w[pair.before]};
-    const std::uint32_t lower = now_[b].patch, upper = above_[a].patch;
-    note_border(lower, upper, *cut, pitch_, here, there);
+  for (const Cut& cut : across_) {
+    const std::uint32_t before = last_row_.at(cut.column), now = row.at(cut.column);
+    if (before == PatchRow::kNoSample || now == PatchRow::kNoSample) continue;
+    while (above_[a].last < before) ++a;
+    while (now_[b].last < now) ++b;
+    edge_.note(now_[b].patch, above_[a].patch, cut, pitch_, {row.s[now], row.c, row.w[now]},
+               {last_row_.s[before], last_row_.c, last_row_.w[before]}, graph_);
   }
+  edge_.flush(graph_);
+}
+
+// Columns beyond the ends of one of two rows, where the other goes on. Samples that are missing inside a row are no end.
+void PatchGrower::measure_ends(const PatchRow& row) {
+  const auto patch_of = [](const std::vector<Stretch>& stretches, std::uint32_t sample) {
+    return std::lower_bound(stretches.begin(), stretches.end(), sample,
+                            [](const Stretch& t, std::uint32_t k) { return t.last < k; })
+        ->patch;
+  };
+  const auto look = [&](std::int64_t column) {
+    const std::uint32_t before = last_row_.at(column), now = row.at(column);
+    if ((before == PatchRow::kNoSample) == (now == PatchRow::kNoSample)) return;
+    graph_.node(now != PatchRow::kNoSample ? patch_of(now_, now) : patch_of(above_, before)).open += pitch_;
+  };
+  const double left = std::max(row.s.front(), last_row_.s.front()), right = std::min(row.s.back(), last_row_.s.back());
+  const auto inner = static_cast<std::int64_t>(std::ceil(left / pitch_));
+  const std::int64_t end = std::max(row.end_column(), last_row_.end_column());
+  for (std::int64_t j = std::min(row.first_column, last_row_.first_column); j < std::min(inner, end); ++j) look(j);
+  for (auto j = std::max(inner, static_cast<std::int64_t>(std::floor(right / pitch_)) + 1); j < end; ++j) look(j);
 }
 
 void PatchGrower::emit(const PatchRow& row, FeatureReport& report) const {
@@ -334,30 +341,26 @@ void PatchGrower::close(const Sampling& sampling, bool all, FeatureReport& repor
   graph_.resolve();
 }
 
-void PatchGrower::assign(PatchRow& row, PatchRow* next, Cuts& cuts, const Sampling& sampling, FeatureReport& report) {
-  if (pitch_ == 0.0) pitch_ = sampling.pitch;
-  row.find_columns(pitch_);
-  if (next != nullptr) next->find_columns(pitch_);
+void PatchGrower::assign(const PatchRow& row, const PatchRow* next, Cuts& cuts, const Sampling& sampling,
+                         FeatureReport& report) {
   cuts.at(last_c_, row.c, pitch_, in_line_, across_);
   if (!above_.empty() && row.c - last_c_ > kFar * sampling.spacing) end_rows();
   const bool begins = above_.empty();
   jumps_.in_line(row, sampling, in_line_);
-  std::int64_t first_column = 0;
-  pairs_.clear();
-  if (!begins) {
-    first_column = pair_columns(last_row_, row, pairs_);
-    jumps_.across(last_row_, row, next, first_column, pairs_, pitch_, sampling, across_);
-  }
-  split(row, sampling);
+  if (!begins) jumps_.across(last_row_, row, next, pitch_, sampling, across_);
+  split(row);
   find_contacts();
   if (hold_borders(row, sampling)) find_contacts();
   link(sampling, report);
   for (Stretch& t : above_) t.patch = graph_.find(t.patch);
   follow_cuts();
   measure(row, sampling);
-  measure_across(row, first_column);
-  if (begins)
+  if (begins) {
     for (const Stretch& t : now_) graph_.node(t.patch).open += t.s_high - t.s_low;
+  } else {
+    measure_across(row);
+    measure_ends(row);
+  }
   emit(row, report);
   graph_.resolve();
   std::swap(above_, now_);

@@ -18,7 +18,7 @@ class PatchGrower {
 public:
   PatchGrower(const Frame& frame, const Vector3& origin) : frame_(frame), origin_(origin) {}
 
-  void hold(const Profile& profile);
+  void hold(const Profile& profile, const Sampling& sampling);
   /// Assigns the samples of all lines up to c = `complete`.
   void advance(double complete, Cuts& cuts, const Sampling& sampling, FeatureReport& report);
   /// All lines are assigned: closes every patch.
@@ -44,8 +44,8 @@ private:
     double open = 0.0, cut = 0.0;
   };
 
-  void assign(PatchRow& row, PatchRow* next, Cuts& cuts, const Sampling& sampling, FeatureReport& report);
-  void split(const PatchRow& row, const Sampling& sampling);
+  void assign(const PatchRow& row, const PatchRow* next, Cuts& cuts, const Sampling& sampling, FeatureReport& report);
+  void split(const PatchRow& row);
   void find_contacts();
   bool hold_borders(const PatchRow& row, const Sampling& sampling);
   [[nodiscard]] bool is_leak(std::uint32_t a, std::uint32_t b, const Sampling& sampling);
@@ -53,8 +53,8 @@ private:
   [[nodiscard]] bool touches_askew(const Contact& contact) const;
   void link(const Sampling& sampling, FeatureReport& report);
   void measure(const PatchRow& row, const Sampling& sampling);
-  void measure_across(const PatchRow& row, std::int64_t first_column);
-  void note_border(std::uint32_t a, std::uint32_t b, const Cut& cut, double length, const Vector3& at_a, const Vector3& at_b);
+  void measure_across(const PatchRow& row);
+  void measure_ends(const PatchRow& row);
   void end_rows();
   void emit(const PatchRow& row, FeatureReport& report) const;
 
@@ -66,15 +66,16 @@ private:
   Frame frame_;
   Vector3 origin_;
   PatchGraph graph_;
+  Edge edge_;
   Jumps jumps_;
   std::deque<PatchRow> rows_;
   std::vector<PatchRow> spare_;
   std::vector<Stretch> above_, now_, held_;
   std::vector<Contact> contacts_;
-  std::vector<ColumnPair> pairs_;
   std::vector<Cut> in_line_, across_;
   PatchRow last_row_;
-  double last_c_ = -1e300, pitch_ = 0.0;
+  double last_c_ = -1e300;
+  double pitch_ = 0.0, base_ = 0.0; // of columns, and their heights; fixed by the first row
   std::int64_t row_number_ = 0;
   std::vector<std::uint32_t> ids_; // scratch
 };

@@ -1,4 +1,4 @@
-// A scan line on its way into patches.
+// A scan line on its way into patches, by samples and by columns.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,34 +9,37 @@
 
 namespace scansion {
 
-/// What patches need of a profile; buffers are used again.
+/// What patches need of a profile; buffers are used again. Columns stand at multiples of the pitch of all rows.
 struct PatchRow {
+  static constexpr std::uint32_t kNoSample = 0xffffffffU;
+  /// Rows of more columns are no surface: a scan of that extent against its pitch.
+  static constexpr double kMostColumns = 65'536.0;
+  /// Pitches between samples that still belong together.
+  static constexpr double kDropout = 3.5;
+
   std::uint64_t line = 0;
   double c = 0.0;           ///< mm
   std::vector<double> s, w; ///< mm
+  double least_step = 0.0;  ///< mm: s advances by so much from sample to sample at least
+  bool in_order = false;    ///< column j is sample j, as far as there are columns
   std::vector<std::uint32_t> source, ends;
-  std::int64_t first_column = 0;       ///< at this multiple of the pitch ...
-  std::vector<std::uint32_t> standing; ///< ... and on: the sample that stands there, or kNoSample; empty: not looked for
-  static constexpr std::uint32_t kNoSample = 0xffffffffU;
+  std::vector<std::uint32_t> holes;    ///< samples behind which some are missing
+  std::int64_t first_column = 0;       ///< of those below
+  std::vector<std::uint32_t> standing; ///< sample that stands there, or kNoSample
+  std::vector<float> height;           ///< its w above `base`, mm, or NaN
 
-  /// Fills `standing`, once.
-  void find_columns(double pitch);
+  /// False when the row has no column, or too many: it cannot be part of a patch.
+  [[nodiscard]] bool take(const Profile& profile, double pitch, double base);
+
   [[nodiscard]] std::uint32_t at(std::int64_t column) const noexcept {
     const auto j = static_cast<std::size_t>(column - first_column); // what lies before wraps to beyond the end
     return j < standing.size() ? standing[j] : kNoSample;
   }
-
   [[nodiscard]] std::int64_t end_column() const noexcept { return first_column + static_cast<std::int64_t>(standing.size()); }
 
-  void take(const Profile& profile) {
-    standing.clear();
-    line = profile.line;
-    c = profile.c;
-    s.assign(profile.s.begin(), profile.s.end());
-    w.assign(profile.w.begin(), profile.w.end());
-    source.assign(profile.source.begin(), profile.source.end());
-    ends.assign(profile.ends.begin(), profile.ends.end());
-  }
+private:
+  void stand_in_order(double base);
+  void stand_anywhere(double pitch, double base);
 };
 
 } // namespace scansion

@@ -40,28 +40,64 @@ std::array<double, 6> solve(System m, std::size_t n) {
   return out;
 }
 
+// Power sums of samples of one scan line, in two lanes.
+class RowSums {
+public:
+  struct Totals {
+    std::array<double, 5> s;
+    std::array<double, 3> w;
+    double ww;
+  };
+
+  // `pairs` times two samples, one pair `step` samples after the other.
+  void add(const double* s, const double* w, std::size_t pairs, std::size_t step) noexcept {
+    for (std::size_t i = 0; i < pairs; ++i, s += step, w += step)
+      for (std::size_t l = 0; l < kLanes; ++l) take(l, s[l], w[l]);
+  }
+  void add_one(double s, double w) noexcept { take(0, s, w); }
+  void add(const RowSums& other, double weight) noexcept {
+    for (std::size_t k = 0; k < sums_.size(); ++k)
+      for (std::size_t l = 0; l < kLanes; ++l) sums_[k][l] += weight * other.sums_[k][l];
+  }
+  [[nodiscard]] Totals totals(double count) const noexcept {
+    const auto of = [&](std::size_t k) { return sums_[k][0] + sums_[k][1]; };
+    return {{count, of(0), of(1), of(2), of(3)}, {of(4), of(5), of(6)}, of(7)};
+  }
+
+private:
+  static constexpr std::size_t kLanes = 2;
+  void take(std::size_t l, double s, double w) noexcept {
+    const double square = s * s;
+    sums_[0][l] += s;
+    sums_[1][l] += square;
+    sums_[2][l] += square * s;
+    sums_[3][l] += square * square;
+    sums_[4][l] += w;
+    sums_[5][l] += w * s;
+    sums_[6][l] += w * square;
+    sums_[7][l] += w * w;
+  }
+
+  std::array<std::array<double, kLanes>, 8> sums_{};
+};
+
 } // namespace
 
 void PatchSums::add(std::span<const double> s, std::span<const double> w, double c) noexcept {
-  std::array<double, 5> ps{};
-  std::array<double, 3> pw{};
-  double ww = 0.0;
-  for (std::size_t k = 0; k < s.size(); ++k) {
-    const double x = s[k], y = w[k], square = x * x;
-    ps[1] += x;
-    ps[2] += square;
-    ps[3] += square * x;
-    ps[4] += square * square;
-    pw[0] += y;
-    pw[1] += y * x;
-    pw[2] += y * square;
-    ww += y * y;
-  }
-  ps[0] = static_cast<double>(s.size());
+  // Of long stretches two samples in the middle of each eight are enough: what a surface is needs no more.
+  constexpr std::size_t kLong = 48, kStep = 8, kSkip = 3;
+  const std::size_t n = s.size(), few = n < kLong ? n : n % kStep;
+  RowSums all, some;
+  all.add(s.data(), w.data(), few / 2, 2);
+  if (few % 2 != 0) all.add_one(s[few - 1], w[few - 1]);
+  some.add(s.data() + few + kSkip, w.data() + few + kSkip, (n - few) / kStep, kStep);
+  all.add(some, static_cast<double>(kStep) / 2.0);
+  const auto [ps, pw, ww] = all.totals(static_cast<double>(n));
+  const std::array<double, 5> pc{1.0, c, c * c, c * c * c, c * c * c * c};
   for (std::size_t i = 0; i < 5; ++i)
-    for (std::size_t j = 0; i + j < 5; ++j) s_[i][j] += ps[i] * power(c, j);
+    for (std::size_t j = 0; i + j < 5; ++j) s_[i][j] += ps[i] * pc[j];
   for (std::size_t i = 0; i < 3; ++i)
-    for (std::size_t j = 0; i + j < 3; ++j) w_[i][j] += pw[i] * power(c, j);
+    for (std::size_t j = 0; i + j < 3; ++j) w_[i][j] += pw[i] * pc[j];
   ww_ += ww;
 }
 
