@@ -25,7 +25,8 @@ constexpr double kLeastHeight = 0.03; // mm: a top stands so much above what is 
 constexpr double kNoise = 3.0;        // sigmas: and so much
 constexpr double kRound = 1.6;        // length / width of a pyramid
 constexpr double kStepBorder = 0.15;  // of the smaller level's outline
-constexpr double kLeastSteps = 6.0;   // coarse steps: and no shorter than this
+constexpr std::size_t kMostPartners = 64; // of steps: with more, those that are forgotten go
+constexpr double kLeastSteps = 6.0;       // coarse steps: and no shorter than this
 
 class Namer {
 public:
@@ -182,6 +183,7 @@ private:
       std::vector<std::uint32_t> patches = level.over;
       patches.insert(patches.begin(), level.fall > 0.0 ? id : level.patch);
       patches.push_back(level.fall > 0.0 ? level.patch : id);
+      if (own.steps_to.size() >= kMostPartners) std::erase_if(own.steps_to, [&](std::uint32_t p) { return !graph_.knows(p); });
       own.steps_to.push_back(level.patch);
       graph_.node(level.patch).steps_to.push_back(id);
       emit(FormKind::step, std::move(patches), look.outline);

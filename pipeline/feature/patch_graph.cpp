@@ -35,6 +35,20 @@ std::uint32_t PatchGraph::find(std::uint32_t id) const {
   return id;
 }
 
+void PatchGraph::resolve(std::int64_t row) {
+  for (const auto& [from, into] : aliases_) past_aliases_[from] = {into, row};
+  aliases_.clear();
+}
+
+std::uint32_t PatchGraph::find_past(std::uint32_t id) const {
+  for (auto next = past_aliases_.find(id); next != past_aliases_.end(); next = past_aliases_.find(id)) id = next->second.into;
+  return find(id);
+}
+
+void PatchGraph::forget_aliases(std::int64_t before_row) {
+  std::erase_if(past_aliases_, [&](const auto& entry) { return entry.second.row < before_row; });
+}
+
 std::uint32_t PatchGraph::unite(std::uint32_t a, std::uint32_t b, std::vector<PatchMerge>& merges) {
   if (a == b) return a;
   const std::uint32_t into = std::min(a, b), from = std::max(a, b);
@@ -61,12 +75,13 @@ std::uint32_t PatchGraph::unite(std::uint32_t a, std::uint32_t b, std::vector<Pa
   to.c_high = std::max(to.c_high, gone.c_high);
   to.doubtful = to.doubtful || gone.doubtful;
   to.closed = to.closed && gone.closed;
+  if (gone.real) merges.push_back({from, into});
+  to.real = to.real || gone.real;
   to.past_inside.add(gone.past_inside);
   to.past_outside.add(gone.past_outside);
   for (const std::uint32_t id : gone.past) add_past(to.past, id);
   nodes_.erase(at);
   aliases_[from] = into;
-  merges.push_back({from, into});
   return into;
 }
 
@@ -79,7 +94,7 @@ void PatchGraph::forget(std::uint32_t id) {
     const auto mine = neighbour.borders.find(id);
     if (mine->second.total() > 0.0) {
       (neighbour.encloses(gone) ? neighbour.past_inside : neighbour.past_outside).add(mine->second);
-      add_past(neighbour.past, id);
+      if (gone.real) add_past(neighbour.past, id);
     }
     neighbour.borders.erase(mine);
   }

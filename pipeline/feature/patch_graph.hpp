@@ -31,7 +31,8 @@ struct PatchNode {
   double s_low = 1e300, s_high = -1e300, c_low = 1e300, c_high = -1e300;
   bool doubtful = false;
   bool closed = false;                 ///< no further sample comes
-  bool settled = false;                ///< published, with its form
+  bool real = false;                   ///< large enough to be told of, and told of from then on
+  bool settled = false;                ///< published, with its form, unless it is not real
   FormKind form = FormKind::face;      ///< of the form feature, already published, whose top, floor or flank it is
   Border past_inside, past_outside;    ///< borders with patches that are forgotten: enclosed by this one, and others
   std::vector<std::uint32_t> past;     ///< their ids, not more than kMostPast
@@ -49,20 +50,29 @@ public:
   [[nodiscard]] std::uint32_t create(std::int64_t row);
   /// The id in force; only of patches united since resolve().
   [[nodiscard]] std::uint32_t find(std::uint32_t id) const;
-  /// Nobody holds an id from before any more.
-  void resolve() noexcept { aliases_.clear(); }
+  /// Nobody but what calls find_past() holds an id from before any more.
+  void resolve(std::int64_t row);
+  /// The id in force of a patch that was united no further back than forget_aliases() says.
+  [[nodiscard]] std::uint32_t find_past(std::uint32_t id) const;
+  void forget_aliases(std::int64_t before_row);
   [[nodiscard]] PatchNode& node(std::uint32_t id) { return nodes_.at(id); }
   [[nodiscard]] const PatchNode& node(std::uint32_t id) const { return nodes_.at(id); }
   [[nodiscard]] bool knows(std::uint32_t id) const { return nodes_.contains(id); }
   [[nodiscard]] const std::map<std::uint32_t, PatchNode>& nodes() const noexcept { return nodes_; }
-  /// Both, by the ids in force, belong together from now on. Returns the id that stays.
+  /// Both, by the ids in force, belong together from now on; `merges` says so when the one that goes was told of. Returns the
+  /// id that stays.
   std::uint32_t unite(std::uint32_t a, std::uint32_t b, std::vector<PatchMerge>& merges);
   /// A settled patch: its neighbours keep only sums of it.
   void forget(std::uint32_t id);
 
 private:
   std::map<std::uint32_t, PatchNode> nodes_;
+  struct Alias {
+    std::uint32_t into = 0;
+    std::int64_t row = 0;
+  };
   std::map<std::uint32_t, std::uint32_t> aliases_;
+  std::map<std::uint32_t, Alias> past_aliases_;
   std::uint32_t next_ = 0;
 };
 

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 namespace scansion {
@@ -19,6 +20,10 @@ constexpr std::int64_t kSettleAfter = 48;   // rows: by then small neighbours ar
 constexpr std::int64_t kSettleAtLast = 256; // rows: neighbours that still grow are taken as they are
 constexpr std::int64_t kForgetAtLast = 512; // rows
 constexpr double kSmall = 25.0;             // samples: fewer are no patch
+constexpr double kFew = 120.0;              // samples: a scan is torn where patches that stay below this ...
+constexpr double kTorn = 0.42;              // ... hold so large a share of what was scanned ...
+constexpr double kLately = 64.0;            // ... in so many rows; parts reach 0.23
+constexpr double kSmallTorn = 400.0;        // samples: fewer are no patch there
 constexpr double kLarge = 100.0;            // samples: a patch that is not given up for a narrow contact
 constexpr double kNarrow = 0.25;            // of a border: a contact below this joins nothing
 constexpr double kFar = 3.6;                // spacings between rows that have nothing to do with each other
@@ -269,7 +274,7 @@ void PatchGrower::measure_ends(const PatchRow& row) {
   for (auto j = std::max(inner, static_cast<std::int64_t>(std::floor(right / pitch_)) + 1); j < end; ++j) look(j);
 }
 
-void PatchGrower::emit(const PatchRow& row, FeatureReport& report) const {
+void PatchGrower::queue_runs(const PatchRow& row) {
   for (const Stretch& t : now_) {
     PatchRun run;
     run.line = row.line;
@@ -277,8 +282,26 @@ void PatchGrower::emit(const PatchRow& row, FeatureReport& report) const {
     run.first = std::min(x, y);
     run.count = std::max(x, y) - run.first + 1;
     run.patch = t.patch;
-    report.runs.push_back(run);
+    runs_.add(run, row_number_);
   }
+}
+
+void PatchGrower::tell_runs(std::int64_t row, FeatureReport& report) {
+  const double together = kLately * std::max(1.0, static_cast<double>(last_row_.s.size()));
+  const auto is_told = [&](const PatchRun& run) {
+    const double size = graph_.knows(run.patch) ? graph_.node(run.patch).sums.count() : 0.0;
+    torn_ += std::min(1.0, run.count / together) * ((size < kFew ? 1.0 : 0.0) - torn_);
+    return size > 0.0 && is_real(run.patch);
+  };
+  runs_.tell(row, graph_, is_told, report.runs);
+  graph_.forget_aliases(row);
+}
+
+bool PatchGrower::is_real(std::uint32_t id) {
+  PatchNode& node = graph_.node(id);
+  const double least = torn_ > kTorn ? kSmallTorn : kSmall;
+  node.real = node.real || (node.sums.count() >= least && node.c_high > node.c_low);
+  return node.real;
 }
 
 // A patch too small to be one goes to what stands nearest, again and again until it is large enough.
@@ -307,14 +330,20 @@ bool PatchGrower::is_ready(const PatchNode& node) const {
 void PatchGrower::settle(std::uint32_t id, const Sampling& sampling, FeatureReport& report) {
   PatchNode& n = graph_.node(id);
   n.settled = true;
+  if (!is_real(id)) return;
   Patch patch;
   patch.id = id;
   n.sums.describe(frame_, sampling, origin_, patch);
   patch.doubtful = n.doubtful;
   for (const auto& [other, border] : n.borders)
-    if (border.total() > 0.0 && other != id) patch.neighbours.push_back(other);
+    if (border.total() > 0.0 && other != id && is_real(other)) patch.neighbours.push_back(other);
   patch.neighbours.insert(patch.neighbours.end(), n.past.begin(), n.past.end());
-  patch.label = name_forms(graph_, id, sampling, report.forms);
+  forms_.clear();
+  patch.label = name_forms(graph_, id, sampling, forms_);
+  std::erase_if(forms_, [&](const Form& form) {
+    return !std::all_of(form.patches.begin(), form.patches.end(), [&](std::uint32_t part) { return is_real(part); });
+  });
+  std::move(forms_.begin(), forms_.end(), std::back_inserter(report.forms));
   report.patches.push_back(std::move(patch));
 }
 
@@ -329,6 +358,9 @@ void PatchGrower::close(const Sampling& sampling, bool all, FeatureReport& repor
   for (const std::uint32_t id : ids_) graph_.node(id).closed = true;
   for (const std::uint32_t id : ids_)
     if (graph_.knows(id)) dissolve(id, report);
+  for (Stretch& t : above_) t.patch = graph_.find(t.patch);
+  graph_.resolve(row_number_);
+  tell_runs(all ? row_number_ : row_number_ - PatchRuns::kWait, report);
   ids_of([&](const PatchNode& n) { return all ? !n.settled : is_ready(n); });
   for (const std::uint32_t id : ids_) settle(id, sampling, report);
   ids_of([&](const PatchNode& n) {
@@ -337,8 +369,6 @@ void PatchGrower::close(const Sampling& sampling, bool all, FeatureReport& repor
                                      [&](const auto& entry) { return graph_.node(entry.first).settled; }));
   });
   for (const std::uint32_t id : ids_) graph_.forget(id);
-  for (Stretch& t : above_) t.patch = graph_.find(t.patch);
-  graph_.resolve();
 }
 
 void PatchGrower::assign(const PatchRow& row, const PatchRow* next, Cuts& cuts, const Sampling& sampling,
@@ -361,8 +391,8 @@ void PatchGrower::assign(const PatchRow& row, const PatchRow* next, Cuts& cuts, 
     measure_across(row);
     measure_ends(row);
   }
-  emit(row, report);
-  graph_.resolve();
+  queue_runs(row);
+  graph_.resolve(row_number_);
   std::swap(above_, now_);
   last_c_ = row.c;
   ++row_number_;

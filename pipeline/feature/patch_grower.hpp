@@ -6,6 +6,7 @@
 #include "pipeline/feature/jumps.hpp"
 #include "pipeline/feature/patch_graph.hpp"
 #include "pipeline/feature/patch_row.hpp"
+#include "pipeline/feature/patch_runs.hpp"
 
 #include <deque>
 #include <vector>
@@ -56,7 +57,10 @@ private:
   void measure_across(const PatchRow& row);
   void measure_ends(const PatchRow& row);
   void end_rows();
-  void emit(const PatchRow& row, FeatureReport& report) const;
+  void queue_runs(const PatchRow& row);
+  void tell_runs(std::int64_t row, FeatureReport& report);
+  /// Is the patch large enough to be told of? Then it stays so.
+  [[nodiscard]] bool is_real(std::uint32_t id);
 
   void close(const Sampling& sampling, bool all, FeatureReport& report);
   void dissolve(std::uint32_t id, FeatureReport& report);
@@ -67,6 +71,8 @@ private:
   Vector3 origin_;
   PatchGraph graph_;
   Edge edge_;
+  PatchRuns runs_;
+  double torn_ = 0.0; // share of samples that stayed in small patches, over the last rows
   Jumps jumps_;
   std::deque<PatchRow> rows_;
   std::vector<PatchRow> spare_;
@@ -78,6 +84,7 @@ private:
   double pitch_ = 0.0, base_ = 0.0; // of columns, and their heights; fixed by the first row
   std::int64_t row_number_ = 0;
   std::vector<std::uint32_t> ids_; // scratch
+  std::vector<Form> forms_;
 };
 
 } // namespace scansion

@@ -68,13 +68,12 @@ void put_differences(std::string& out, const FeatureLine& line) {
   out += ']';
 }
 
-} // namespace
-
-void append_line_entry(std::string& out, const FeatureLine& line) {
+/// All but the vertices, without the brace that closes it. In full, or without what is usual.
+void put_attributes(std::string& out, const FeatureLine& line, bool in_full) {
   out += '{';
   put_key(out, "id");
   put(out, line.id);
-  if (line.piece != 0) {
+  if (in_full || line.piece != 0) {
     put_key(out, "piece");
     put(out, line.piece);
   }
@@ -83,28 +82,39 @@ void append_line_entry(std::string& out, const FeatureLine& line) {
   put_word(out, "type", name(line.type));
   put_key(out, "level");
   put(out, line.level);
-  if (line.closed_loop) {
+  if (in_full) put_word(out, "state", line.is_open() ? "open" : "closed");
+  if (in_full || line.closed_loop) {
     put_key(out, "closed_loop");
-    out += "true";
+    out += line.closed_loop ? "true" : "false";
   }
-  if (line.begins != FeatureEnd::death) put_word(out, "begins", name(line.begins));
-  if (line.ends != FeatureEnd::death) put_word(out, "ends", name(line.ends));
+  if (in_full || line.begins != FeatureEnd::death) put_word(out, "begins", name(line.begins));
+  if (in_full || line.ends != FeatureEnd::death) put_word(out, "ends", name(line.ends));
   put_number(out, "length", line.length_mm, kThousandths);
   put_key(out, "scan_lines");
   put(out, line.scan_lines);
+  if (in_full) put_spread(out, "inner_angle", line.inner_angle, kTenths);
   put_spread(out, "orientation", line.orientation, kTenths);
   put_spread(out, "turning", line.turning, kTenths);
   put_spread(out, "width", line.width, kHundredths);
   put_number(out, "sharpness", line.sharpness, kTenths);
-  if (line.guided_share > 0.0) put_number(out, "guided_share", line.guided_share, kHundredths);
+  if (in_full || line.guided_share > 0.0) put_number(out, "guided_share", line.guided_share, kHundredths);
   put_number(out, "persistence", line.persistence, kTenths);
-  if (line.across_mm > 0.0) put_number(out, "across", line.across_mm, kThousandths);
+  if (in_full || line.across_mm > 0.0) put_number(out, "across", line.across_mm, kThousandths);
   put_elements(out, line.elements);
-  if (line.partner) {
+  if (in_full || line.partner) {
     put_key(out, "partner");
-    put(out, *line.partner);
+    if (line.partner)
+      put(out, *line.partner);
+    else
+      out += "null";
   }
-  if (!line.junctions.empty()) put_ids(out, "junctions", line.junctions);
+  if (in_full || !line.junctions.empty()) put_ids(out, "junctions", line.junctions);
+}
+
+} // namespace
+
+void append_line_entry(std::string& out, const FeatureLine& line) {
+  put_attributes(out, line, false);
   if (!line.met_by.empty()) {
     put_key(out, "met_by");
     put_list(out, line.met_by, [&](const LineEnd& end) { put_line_end(out, end); });
@@ -116,39 +126,7 @@ void append_line_entry(std::string& out, const FeatureLine& line) {
 }
 
 void append_feature_line(std::string& out, const FeatureLine& line) {
-  out += '{';
-  put_key(out, "id");
-  put(out, line.id);
-  put_key(out, "piece");
-  put(out, line.piece);
-  put_line_end(out, "begins_at", line.begins_at);
-  put_line_end(out, "ends_at", line.ends_at);
-  put_word(out, "type", name(line.type));
-  put_key(out, "level");
-  put(out, line.level);
-  put_word(out, "state", line.is_open() ? "open" : "closed");
-  put_key(out, "closed_loop");
-  out += line.closed_loop ? "true" : "false";
-  put_word(out, "begins", name(line.begins));
-  put_word(out, "ends", name(line.ends));
-  put_number(out, "length", line.length_mm, kThousandths);
-  put_key(out, "scan_lines");
-  put(out, line.scan_lines);
-  put_spread(out, "inner_angle", line.inner_angle, kTenths);
-  put_spread(out, "orientation", line.orientation, kTenths);
-  put_spread(out, "turning", line.turning, kTenths);
-  put_spread(out, "width", line.width, kHundredths);
-  put_number(out, "sharpness", line.sharpness, kTenths);
-  put_number(out, "guided_share", line.guided_share, kHundredths);
-  put_number(out, "persistence", line.persistence, kTenths);
-  put_number(out, "across", line.across_mm, kThousandths);
-  put_elements(out, line.elements);
-  put_key(out, "partner");
-  if (line.partner)
-    put(out, *line.partner);
-  else
-    out += "null";
-  put_ids(out, "junctions", line.junctions);
+  put_attributes(out, line, true);
   put_key(out, "vertices");
   put_list(out, line.vertices, [&](const FeatureVertex& v) {
     out += '[';

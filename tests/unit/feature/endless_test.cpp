@@ -94,13 +94,7 @@ TEST(EndlessScan, GroupsDoNotChangePieces) {
 }
 
 TEST(EndlessScan, LinesWithoutPointsAndATableAtRestCostNothing) {
-  Lattice lattice;
-  lattice.resolution = Rational{1, 1000};
-  FeatureStage stage(lattice, {});
-  Ranker ranker(Rational{1, 1000});
-  GroupRanks ranks;
-  GroupBuilder builder;
-  LineGroup group;
+  Feed feed;
   FeatureReport report;
   std::size_t early = 0, late = 0;
   for (std::uint32_t i = 0; i < 20'000; ++i) {
@@ -113,11 +107,9 @@ TEST(EndlessScan, LinesWithoutPointsAndATableAtRestCostNothing) {
       }
       line.runs.push_back({0, 60, 0});
     }
-    builder.add(line);
+    feed.add(line, report);
     if ((i + 1) % 50 != 0) continue;
-    builder.take(group);
-    rank_group(ranker, group, ranks);
-    stage.add(group, ranks.distance, report);
+    feed.close(report);
     report.clear();
     const std::size_t held = mallinfo2().uordblks;
     (i < 7'000 ? early : late) = std::max(i < 7'000 ? early : late, held);

@@ -1,61 +1,23 @@
 // Form features of small parts whose forms are known, whole and in the ways that scans spoil them.
 // SPDX-License-Identifier: Apache-2.0
-#include "pipeline/feature/feature_stage.hpp"
-#include "pipeline/pipeline.hpp"
+#include "tests/unit/feature/scan.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <functional>
 #include <map>
-#include <random>
 
 namespace scansion {
 namespace {
-
-/// Height in mm over x and y in mm; a part of 24 by 20 mm, 0.1 mm from point to point and from line to line.
-using Surface = std::function<double(double x, double y)>;
-constexpr std::uint32_t kLines = 200, kPoints = 240;
 
 struct Faults {
   double noise_um = 5.0;
   double missing = 0.0; ///< share of the points
 };
 
+/// A part of 24 by 20 mm.
 FeatureReport scan(const Surface& surface, const Faults& faults = {}) {
-  std::mt19937 random(11);
-  std::normal_distribution<double> noise(0.0, faults.noise_um);
-  std::bernoulli_distribution missing(faults.missing);
-  Lattice lattice;
-  lattice.resolution = Rational{1, 1000};
-  FeatureStage stage(lattice, {});
-  Ranker ranker(Rational{1, 1000});
-  GroupRanks ranks;
-  GroupBuilder builder;
-  LineGroup group;
-  FeatureReport report;
-  const auto close = [&] {
-    builder.take(group);
-    rank_group(ranker, group, ranks);
-    stage.add(group, ranks.distance, report);
-  };
-  for (std::uint32_t i = 0; i < kLines; ++i) {
-    LineBuffer line;
-    for (std::uint32_t k = 0; k < kPoints; ++k) {
-      const double x = 0.1 * k, y = 0.1 * i;
-      const double z = 1000 * surface(x, y) + noise(random);
-      if (missing(random)) continue;
-      line.xyz[0].push_back(static_cast<std::int32_t>(std::lround(1000 * x)));
-      line.xyz[1].push_back(static_cast<std::int32_t>(std::lround(1000 * y)));
-      line.xyz[2].push_back(static_cast<std::int32_t>(std::lround(z)));
-    }
-    line.runs.push_back({0, static_cast<std::uint32_t>(line.points()), 0});
-    if (builder.must_close_before(line)) close();
-    builder.add(line);
-  }
-  close();
-  stage.finish(report);
-  return report;
+  return Scan(surface, faults.noise_um, 200, 240).seed(11).lose(faults.missing).run(64);
 }
 
 std::map<FormKind, int> kinds_in(const FeatureReport& report) {
