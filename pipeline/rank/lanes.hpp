@@ -296,5 +296,30 @@ struct Reals {
 
 #endif
 
+/// Each value becomes the sum of those before it, modulo 2^32. Writes up to seven values behind the last.
+inline void sums_before(std::uint32_t* values, std::uint32_t n) {
+#if defined(__AVX2__)
+  __m256i before = _mm256_setzero_si256();
+  for (std::uint32_t i = 0; i < n; i += 8) {
+    auto* const place = reinterpret_cast<__m256i*>(values + i);
+    const __m256i here = _mm256_loadu_si256(place);
+    __m256i sum = _mm256_add_epi32(here, _mm256_slli_si256(here, 4));
+    sum = _mm256_add_epi32(sum, _mm256_slli_si256(sum, 8));
+    // The shifts stay in 128 bit halves: the upper one lacks the total of the lower.
+    const __m256i lower = _mm256_permute2x128_si256(sum, sum, 0x08);
+    sum = _mm256_add_epi32(sum, _mm256_shuffle_epi32(lower, 0xFF));
+    _mm256_storeu_si256(place, _mm256_add_epi32(before, _mm256_sub_epi32(sum, here)));
+    before = _mm256_add_epi32(before, _mm256_permutevar8x32_epi32(sum, _mm256_set1_epi32(7)));
+  }
+#else
+  std::uint32_t sum = 0;
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const std::uint32_t here = values[i];
+    values[i] = sum;
+    sum += here;
+  }
+#endif
+}
+
 } // namespace
 } // namespace scansion

@@ -42,28 +42,17 @@ public:
       pairs[i] = (static_cast<std::uint32_t>(u[i]) & 0xFFFFU) | (static_cast<std::uint32_t>(v[i]) << 16U);
     // Steps are cut at the reach that counts, so the sum over an interval shorter than that cannot overflow.
     // Beyond the last point there is padding, which repeats it.
-    for (std::uint32_t i = 0; i < n + kReachBlock; ++i) {
+    for (std::uint32_t i = 0; i < n; ++i) {
       const std::int32_t du = u[i + 1] - u[i];
       const std::int32_t dv = v[i + 1] - v[i];
       reach[i] = static_cast<std::uint32_t>(smaller(larger(du < 0 ? -du : du, dv < 0 ? -dv : dv), kShortReach));
     }
-    // In place: block k of steps becomes element k.
-    std::uint32_t sum = 0;
-    for (std::uint32_t block = 0; block * kReachBlock < n; ++block) {
-      const std::uint32_t* const steps = reach + std::size_t{block} * kReachBlock;
-      const std::uint32_t here =
-          ((steps[0] + steps[1]) + (steps[2] + steps[3])) + ((steps[4] + steps[5]) + (steps[6] + steps[7]));
-      reach[block] = sum;
-      sum += here;
-    }
-    reach[(n + kReachBlock - 1) / kReachBlock] = sum;
+    sums_before(reach, n);
   }
 
   [[nodiscard]] unsigned class_of(std::uint32_t a, std::uint32_t b) const {
     constexpr std::uint32_t kLimit = kShortReach;
-    // Whole blocks of steps: at most so far, so short is short.
-    const std::uint32_t most = job_.reach[(b + kReachBlock - 1) / kReachBlock] - job_.reach[a / kReachBlock];
-    const bool is_short = b - a < kLimit && most < kLimit;
+    const bool is_short = b - a < kLimit && job_.reach[b] - job_.reach[a] < kLimit;
     const std::uint32_t length = smaller(b - a, ClassOfLength::kLongest);
     return is_short ? kClassOf.in_halves[length] : kClassOf.in_doubles[length];
   }

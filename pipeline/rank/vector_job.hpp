@@ -70,9 +70,6 @@ struct VectorJob {
   bool wide = false;               ///< a span is kNarrowSpan or more
 };
 
-/// So many steps between neighbours are summed at once.
-inline constexpr std::uint32_t kReachBlock = 8;
-
 /// Short intervals have a class for each number of inner points up to this.
 inline constexpr std::size_t kShortClasses = 14;
 /// So many of one class wait at most: those that long intervals left since short ones were split last, in parts.
