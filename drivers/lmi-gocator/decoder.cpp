@@ -40,13 +40,14 @@ void GocatorDecoder::reset() {
   group_is_doubtful_ = group_has_profile_ = group_ended_ = has_profile_ = false;
   source_.reset();
   camera_.reset();
-  strangers_ = 0;
+  stranger_.reset();
   doubtful_scales_ = {};
   waits_ = false;
   row_ = rows_ = 0;
   is_refusing_ = false;
   refusal_.clear();
   if (last_) away_ = std::exchange(last_, std::nullopt);
+  before_leap_.reset();
   doubtful_.reset();
   counts_anew_ = false;
   lost_while_away_.reset();
@@ -68,6 +69,7 @@ void GocatorDecoder::begin_message() {
   if (group_ended_) {
     stamps_.clear();
     group_is_doubtful_ = group_has_profile_ = false;
+    ++group_;
   }
   group_ended_ = (get<std::uint16_t>(&message_[4]) & gdp::kLastOfGroup) != 0;
 }
@@ -101,6 +103,11 @@ GocatorDecoder::Frames GocatorDecoder::compare(const gdp::Stamp& stamp) {
   const bool is_proven = doubtful_ && follows(*doubtful_, stamp);
   doubtful_.reset();
   if (!last_ || follows(*last_, stamp)) return Frames::follow;
+  // The leap before was a wrong bit: what comes now follows the frame before it.
+  if (before_leap_ && follows(*before_leap_, stamp)) {
+    last_ = std::exchange(before_leap_, std::nullopt);
+    return Frames::follow;
+  }
   // The count begins with 0 whenever the sensor is started. Any other step back is believed when a second frame goes on from
   // there: the first may be a repeated message or a wrong bit.
   if (stamp.frame == 0 && stamp != *last_) {
@@ -115,6 +122,17 @@ GocatorDecoder::Frames GocatorDecoder::compare(const gdp::Stamp& stamp) {
   return Frames::doubtful;
 }
 
+/// One profile of another source or camera may be a wrong bit; the same again in the next group is none.
+bool GocatorDecoder::is_stranger_again() noexcept {
+  const Stranger now{profile_.source, profile_.camera, group_};
+  if (!stranger_ || group_ > stranger_->group + 1) {
+    stranger_ = now;
+    return false;
+  }
+  if (group_ == stranger_->group) return false;
+  return std::exchange(*stranger_, now).is_like(now);
+}
+
 /// Whether it is the one profile of each frame that is wanted.
 bool GocatorDecoder::is_ours() {
   if (profile_.step == gdp::kToolStep) return false;
@@ -123,7 +141,7 @@ bool GocatorDecoder::is_ours() {
   if (!source_) source_ = profile_.source;
   if (!camera_) camera_ = profile_.camera;
   if (*source_ == profile_.source && *camera_ == profile_.camera) return true;
-  if (++strangers_ < 2) return false; // one may be a wrong bit
+  if (!is_stranger_again()) return false;
   if (*source_ != profile_.source) {
     refuse("the sensor sends profiles of several sources; choose one with source = \"top\" or another");
   } else {
@@ -291,6 +309,7 @@ std::optional<Decoded> GocatorDecoder::hand_out(const Moment& at, LineBuffer& li
   ++lines_;
   line_at_ = at;
   if (!stamps_.empty()) {
+    before_leap_ = last_ && stamp.frame > last_->frame + 1 ? last_ : std::nullopt;
     last_ = stamp;
     line.stamps.encoder = stamp.encoder;
     if (stamp.time_us < static_cast<std::uint64_t>(INT64_MAX / 1000))

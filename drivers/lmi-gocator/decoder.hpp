@@ -15,7 +15,7 @@ struct GocatorChoice {
   std::optional<std::uint8_t> source, camera;
 };
 
-/// Memory: one profile message of at most kMaxMessage bytes, its stamps and one line. Other messages are passed over unread.
+/// Memory: one profile message of at most kMaxMessage bytes, its stamps and one line. Other messages are passed over.
 class GocatorDecoder final : public Decoder {
 public:
   static constexpr std::uint32_t kMaxWidth = 1U << 16U;
@@ -47,6 +47,7 @@ private:
   enum class Head : std::uint8_t { short_of, whole, other, wrong };
   enum class Frames : std::uint8_t { follow, anew, doubtful };
 
+  [[nodiscard]] bool pass_over(std::span<const std::uint8_t> bytes, std::size_t& used);
   [[nodiscard]] bool assemble(std::span<const std::uint8_t> bytes, std::size_t& used);
   [[nodiscard]] Head judge();
   [[nodiscard]] Head judge_stamp(std::size_t size);
@@ -59,6 +60,7 @@ private:
   [[nodiscard]] std::array<std::int64_t, 4> scales_nm() const noexcept;
   [[nodiscard]] bool is_on_lattice() const noexcept;
   [[nodiscard]] bool is_ours();
+  [[nodiscard]] bool is_stranger_again() noexcept;
   void begin_message();
   void drop_message() noexcept;
   [[nodiscard]] bool fits();
@@ -88,7 +90,15 @@ private:
   bool group_ended_ = false; ///< with the message before
   bool has_profile_ = false; ///< since reset()
   std::optional<std::uint8_t> source_, camera_;
-  int strangers_ = 0;                             ///< profiles of another source or camera
+  struct Stranger {
+    std::uint8_t source = 0, camera = 0;
+    std::uint64_t group = 0;
+    [[nodiscard]] bool is_like(const Stranger& other) const noexcept {
+      return source == other.source && camera == other.camera;
+    }
+  };
+  std::uint64_t group_ = 0;
+  std::optional<Stranger> stranger_;              ///< the newest group's first profile of another source or camera
   std::array<std::int64_t, 4> doubtful_scales_{}; ///< off the lattice; a second profile may prove them right
   gdp::Profile profile_;
   bool waits_ = false;     ///< profile_ waits for the lattice
@@ -98,9 +108,10 @@ private:
   std::string refusal_;
   bool is_refusing_ = false;
 
-  std::optional<gdp::Stamp> last_;     ///< of the newest line
-  std::optional<gdp::Stamp> away_;     ///< the same before reset()
-  std::optional<gdp::Stamp> doubtful_; ///< refused; the next one may prove it right
+  std::optional<gdp::Stamp> last_;        ///< of the newest line
+  std::optional<gdp::Stamp> away_;        ///< the same before reset()
+  std::optional<gdp::Stamp> before_leap_; ///< the line before last_, when frames are missing between them
+  std::optional<gdp::Stamp> doubtful_;    ///< refused; the next one may prove it right
   Way way_;
   Moment line_at_;          ///< when the newest line came
   std::uint64_t lines_ = 0; ///< when there are no stamps

@@ -8,12 +8,28 @@ namespace scansion {
 
 using gdp::get;
 
+namespace {
+
+/// With this many bytes the size of a stamp message follows from its other fields.
+constexpr std::size_t kStampSize = 12;
+
+bool is_stamp_size(const std::uint8_t* at, std::size_t size) noexcept {
+  const auto count = get<std::uint32_t>(at + 6);
+  const auto bytes = get<std::uint16_t>(at + 10);
+  return count >= 1 && count <= GocatorDecoder::kMaxProfiles && bytes >= gdp::kOldStamp &&
+         size == gdp::kStampHead + std::size_t{count} * bytes;
+}
+
+bool is_stamp(const std::uint8_t* at) noexcept {
+  const auto type = static_cast<gdp::Type>(get<std::uint16_t>(at + 4) & ~gdp::kLastOfGroup);
+  return type == gdp::Type::stamp && is_stamp_size(at, get<std::uint32_t>(at));
+}
+
+} // namespace
+
 GocatorDecoder::Head GocatorDecoder::judge_stamp(std::size_t size) {
   if (message_.size() < gdp::kStampHead) return Head::short_of;
-  const auto count = get<std::uint32_t>(&message_[6]);
-  const auto bytes = get<std::uint16_t>(&message_[10]);
-  if (count < 1 || count > kMaxProfiles || bytes < gdp::kOldStamp) return Head::wrong;
-  if (size != gdp::kStampHead + std::size_t{count} * bytes || size > kMaxMessage) return Head::wrong;
+  if (!is_stamp_size(message_.data(), size) || size > kMaxMessage) return Head::wrong;
   size_ = size;
   return Head::whole;
 }
@@ -57,6 +73,33 @@ void GocatorDecoder::drop_first_byte() {
   message_.erase(message_.begin());
 }
 
+/// Another message says how long it is, but one wrong bit there would hide megabytes of profiles: so what is passed over is
+/// watched for a stamp. message_ is the window meanwhile. False: `bytes` are used up.
+bool GocatorDecoder::pass_over(std::span<const std::uint8_t> bytes, std::size_t& used) {
+  constexpr std::size_t kPart = 4096;
+  while (skip_ > 0) {
+    const std::size_t part = std::min({skip_, bytes.size() - used, kPart});
+    if (part == 0) return false;
+    const auto from = bytes.begin() + static_cast<std::ptrdiff_t>(used);
+    message_.insert(message_.end(), from, from + static_cast<std::ptrdiff_t>(part));
+    used += part;
+    skip_ -= part;
+    std::size_t at = 0;
+    for (; at + kStampSize <= message_.size(); ++at) {
+      if (!is_stamp(&message_[at])) continue;
+      counters_.reject(Reject::framing);
+      used -= message_.size() - (at + kStampSize);
+      message_.resize(at + kStampSize);
+      skip_ = 0;
+      break;
+    }
+    message_.erase(message_.begin(), message_.begin() + static_cast<std::ptrdiff_t>(at));
+    if (message_.size() == kStampSize) return true;
+  }
+  message_.clear();
+  return true;
+}
+
 /// Moves bytes to message_ until it holds a whole message of stamps or profiles: true. False: `bytes` are used up.
 bool GocatorDecoder::assemble(std::span<const std::uint8_t> bytes, std::size_t& used) {
   const auto take_until = [&](std::size_t wanted) {
@@ -67,12 +110,7 @@ bool GocatorDecoder::assemble(std::span<const std::uint8_t> bytes, std::size_t& 
     return message_.size() >= wanted;
   };
   for (;;) {
-    if (skip_ > 0) {
-      const std::size_t part = std::min(skip_, bytes.size() - used);
-      skip_ -= part;
-      used += part;
-      if (skip_ > 0) return false;
-    }
+    if (skip_ > 0 && !pass_over(bytes, used)) return false;
     if (size_ > 0) return take_until(size_);
     switch (judge()) {
       case Head::short_of:
@@ -83,8 +121,8 @@ bool GocatorDecoder::assemble(std::span<const std::uint8_t> bytes, std::size_t& 
       case Head::other:
         begin_message();
         counters_.accept();
-        skip_ -= std::min(skip_, message_.size());
-        message_.clear();
+        skip_ -= message_.size(); // a head, no more
+        if (skip_ == 0) message_.clear();
         break;
     }
   }

@@ -126,6 +126,11 @@ TEST_F(Gocator, AStepBackIsBelievedOnlyWhenItGoesOn) {
   EXPECT_EQ(decoded(joined({frame(0), frame(1)})), "0@5000 1@6000 ");
 }
 
+TEST_F(Gocator, AWrongLeapIsTakenBack) {
+  EXPECT_EQ(decoded(joined({frame(50), frame(60), frame(51), frame(52)})), "reply 50@0 gap 9 60@10000 51@1000 52@2000 ");
+  EXPECT_EQ(decoded(joined({frame(62), frame(63), frame(53)})), "gap 9 62@12000 63@13000 ") << "this leap was confirmed";
+}
+
 TEST_F(Gocator, LossesOverALostConnectionAreCounted) {
   EXPECT_EQ(decoded(frame(10)), "reply 10@0 ");
   decoder_->reset();
@@ -148,6 +153,30 @@ TEST_F(Gocator, ChangedScalesAreRefusedWhenTheyStay) {
   EXPECT_EQ(decoded(joined({frame(1), stamp(2), profile(2, 1001), frame(3)})), "reply 1@0 gap 1 3@2000 ");
   EXPECT_EQ(decoded(joined({stamp(4), profile(2, 1003), stamp(5), profile(2, 1003)})), "reply ");
   EXPECT_NE(decoder_->refusal().find("scales have changed"), std::string::npos);
+}
+
+TEST_F(Gocator, AWrongLengthOfAnotherMessageHidesNothing) {
+  Bytes other;
+  gdp::put<std::uint32_t>(other, 50'000'000);
+  gdp::put<std::uint16_t>(other, 10 | gdp::kLastOfGroup);
+  other.resize(20);
+  for (const std::size_t piece : {1U, 5U, 13U, 1000U}) {
+    decoder_.emplace(counters_, GocatorChoice{}, LineSpacing::create({}).assume_value());
+    EXPECT_EQ(decoded(joined({frame(1), other, frame(2), frame(3)}), piece), "reply 1@0 2@1000 3@2000 ") << piece;
+  }
+  EXPECT_EQ(counters_.rejected(Reject::framing), 4U);
+}
+
+TEST_F(Gocator, OtherMessagesArePassedOverWhole) {
+  Bytes other;
+  gdp::put<std::uint32_t>(other, 10'000);
+  gdp::put<std::uint16_t>(other, 10 | gdp::kLastOfGroup);
+  while (other.size() < 10'000) other.push_back(static_cast<std::uint8_t>(other.size() % 5));
+  for (const std::size_t piece : {1U, 4096U, 100'000U}) {
+    decoder_.emplace(counters_, GocatorChoice{}, LineSpacing::create({}).assume_value());
+    EXPECT_EQ(decoded(joined({frame(1), other, frame(2)}), piece), "reply 1@0 2@1000 ") << piece;
+  }
+  EXPECT_EQ(counters_.rejected(), 0U);
 }
 
 TEST_F(Gocator, SurfacesAreRefused) {
