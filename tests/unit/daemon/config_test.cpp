@@ -3,7 +3,6 @@
 #include "daemon/config/config.hpp"
 #include "daemon/config/nearest.hpp"
 
-#include <fstream>
 #include <gtest/gtest.h>
 #include <sstream>
 #include <sys/stat.h>
@@ -154,16 +153,6 @@ TEST(Config, PrintedFormReadsBackTheSame) {
   EXPECT_EQ(second.assume_value().control_values, first.assume_value().control_values);
   EXPECT_EQ(second.assume_value().pipeline_values, first.assume_value().pipeline_values);
   EXPECT_EQ(second.assume_value().devices, first.assume_value().devices);
-}
-
-TEST(Config, SampleInTheTreeIsThePrintedDefault) {
-  auto defaults = parse_config("", "c.toml");
-  ASSERT_TRUE(defaults);
-  std::ifstream file(SCANSION_SAMPLE_CONFIG);
-  std::stringstream sample;
-  sample << file.rdbuf();
-  EXPECT_EQ(sample.str(), print_config(defaults.assume_value()))
-      << "make it again: scansiond --config /dev/null --print-config > docs/scansiond.toml";
 }
 
 /// Uncommenting the example of the sample gives a device that is accepted.
