@@ -74,6 +74,8 @@ public:
   [[nodiscard]] virtual Result<DeviceFacts> start() = 0;
   /// `line` and `gap` come in cleared, with buffers to use again.
   [[nodiscard]] virtual Result<Delivery> next(LineBuffer& line, Gap& gap) = 0;
+  /// After a failure: trying again is of no use, since a recorded source has nothing more. That is an end, not a loss.
+  [[nodiscard]] virtual bool is_over() const noexcept { return false; }
   /// Lets go of the device. Allowed in every state.
   virtual void close() noexcept = 0;
   /// Largest rounding error met since start(), in mm.

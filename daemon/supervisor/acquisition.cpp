@@ -42,7 +42,10 @@ public:
     while (!shared_.stopping() && machine_.state() != SessionState::finished) {
       if (shared_.wanted() != Wanted::run && !wait_for_start()) break;
       auto done = attempt();
-      if (!done && shared_.wanted() == Wanted::run) {
+      if (!done && driver_.is_over()) {
+        if (shared_.lines == 0) shared_.set_error(done.assume_error().context);
+        finish();
+      } else if (!done && shared_.wanted() == Wanted::run) {
         if (!after_failure(done.assume_error())) break;
       } else if (machine_.state() != SessionState::finished) {
         close(); // by command
@@ -139,9 +142,7 @@ private:
       SCANSION_TRY(delivery, driver_.next(item_.line, item_.gap));
       if (delivery == Delivery::nothing || delivery == Delivery::busy) shared_.horizon = asked;
       if (delivery == Delivery::end) {
-        machine_.finished();
-        publish();
-        spdlog::info("{}: finished, {} lines", shared_.config.name, shared_.lines.load());
+        finish();
         return success();
       }
       if (delivery == Delivery::line) {
@@ -150,6 +151,12 @@ private:
       }
       if (!take(delivery)) return success();
     }
+  }
+
+  void finish() {
+    machine_.finished();
+    publish();
+    spdlog::info("{}: finished, {} lines", shared_.config.name, shared_.lines.load());
   }
 
   /// False: the queue is closed.

@@ -30,6 +30,7 @@ public:
   void attach(DriverHost& host) override { host_ = &host; }
   bool can_hold() const noexcept override { return true; }
   bool is_at_rest() const noexcept override { return session_ && session_->is_held() && session_->is_at_rest(); }
+  bool is_over() const noexcept override { return transport_->is_over(); }
   LinkView link() const override { return {counters_, ring_}; }
 
   std::string condition() const override {

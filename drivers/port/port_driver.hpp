@@ -16,6 +16,7 @@ public:
   Result<DeviceFacts> start() final;
   Result<Delivery> next(LineBuffer& line, Gap& gap) final;
   void close() noexcept final;
+  [[nodiscard]] bool is_over() const noexcept final { return transport_->is_over(); }
   [[nodiscard]] LinkView link() const final { return {counters_, ring_}; }
 
 protected:

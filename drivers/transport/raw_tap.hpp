@@ -28,6 +28,7 @@ public:
   [[nodiscard]] Moment now() const noexcept override { return inner_->now(); }
   [[nodiscard]] const std::string& name() const noexcept override { return inner_->name(); }
   [[nodiscard]] bool is_live() const noexcept override { return inner_->is_live(); }
+  [[nodiscard]] bool is_over() const noexcept override { return inner_->is_over(); }
 
 private:
   Result<void> open_transcript();

@@ -95,6 +95,7 @@ public:
   Moment now() const noexcept override { return now_; }
   const std::string& name() const noexcept override { return name_; }
   bool is_live() const noexcept override { return false; }
+  bool is_over() const noexcept override { return at_end_; }
 
 private:
   /// To the next event; none at the end of the file.

@@ -52,6 +52,8 @@ public:
   [[nodiscard]] virtual const std::string& name() const noexcept = 0;
   /// False: recorded bytes that wait without loss.
   [[nodiscard]] virtual bool is_live() const noexcept { return true; }
+  /// It was opened and there was nothing more to come: a transcript behind its last run.
+  [[nodiscard]] virtual bool is_over() const noexcept { return false; }
 
   [[nodiscard]] Result<void> write(std::string_view text, std::int64_t deadline_ns) {
     return write({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}, deadline_ns);

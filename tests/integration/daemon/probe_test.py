@@ -220,9 +220,9 @@ class Resume(ProbeTest):
         daemon.kill()
         rng = random.Random(9)
         for _ in range(6):
-            before = len(daemon.files())
+            begun = daemon.log_text().count("recording into")
             daemon.start(wait=False)
-            daemon.until(lambda: len(daemon.files()) > before, "rows of before are recorded again")
+            daemon.until(lambda: daemon.log_text().count("recording into") > begun, "rows of before are recorded again")
             time.sleep(rng.uniform(0, 0.05))
             daemon.kill()
         daemon.start()

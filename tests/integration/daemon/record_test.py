@@ -46,6 +46,19 @@ class Record(PortDriverTest):
                 self.assertEqual(played["lines"], 200)
                 self.same(live, again)
 
+    def test_a_transcript_that_ends_with_a_loss_ends(self):
+        self.scan(50)
+        simulator = Simulator(self, "gocator", "--scan", self.scan_path, "--rate", 200)
+        raw, live, again = self.path("l.raw"), self.path("l.mcap"), self.path("l-again.mcap")
+        self.record("--driver", "lmi-gocator", f"tcp={simulator.where}", "name=d", "--raw", raw, "-o", live, "--lines", 50, "--json")
+        with open(raw) as file:
+            *events, closed = file.readlines()
+        self.assertTrue(closed.startswith("C "))
+        with open(raw, "w") as file:
+            file.writelines([*events, "L" + closed[1:].rstrip() + " the cable was pulled\n", closed])
+        self.assertEqual(self.record("--driver", "lmi-gocator", f"transcript={raw}", "name=d", "-o", again, "--json")["lines"], 50)
+        self.same(live, again)
+
     def test_a_device_of_the_configuration(self):
         scan = self.scan(30)
         config = self.path("c.toml")

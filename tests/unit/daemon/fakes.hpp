@@ -153,6 +153,7 @@ public:
     std::function<Result<void>()> open;
     std::function<Result<DeviceFacts>()> start;
     std::function<Result<Delivery>(LineBuffer&, Gap&)> next;
+    std::function<bool()> is_over;
     double rounding_mm = 0.0;
   };
   explicit ScriptedDriver(Script script) : script_(std::move(script)) {}
@@ -164,6 +165,7 @@ public:
     std::this_thread::yield();
     return Delivery::nothing;
   }
+  bool is_over() const noexcept override { return script_.is_over && script_.is_over(); }
   void close() noexcept override {}
   double rounding_mm() const noexcept override { return script_.rounding_mm; }
 

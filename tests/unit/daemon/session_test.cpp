@@ -73,6 +73,30 @@ TEST_F(Session, RecordedSourceIsWrittenWholeAndFinished) {
   EXPECT_EQ(files[0].lines[15].second, 1000U - 15 * kGroupLines);
 }
 
+TEST_F(Session, RecordedLossIsNoReasonToTryForEver) {
+  auto script = recorded(10);
+  int runs = 0;
+  script.open = [&]() -> Result<void> {
+    ++runs;
+    return success();
+  };
+  script.start = [&]() -> Result<DeviceFacts> {
+    if (runs > 1) return fail(Errc::unavailable, "ended before the device had started");
+    return test_facts();
+  };
+  script.next = [next = script.next](LineBuffer& line, Gap& gap) -> Result<Delivery> {
+    SCANSION_TRY(delivery, next(line, gap));
+    if (delivery == Delivery::end) return fail(Errc::unavailable, "then: lost");
+    return delivery;
+  };
+  script.is_over = [&] { return runs > 1; };
+  start(std::move(script), system_);
+  ASSERT_TRUE(is_in("finished"));
+  EXPECT_EQ(runs, 2);
+  EXPECT_EQ(session_->status().lines, 10U);
+  EXPECT_EQ(session_->status().error, "then: lost");
+}
+
 TEST_F(Session, AbsentDeviceIsTriedAgainWithoutARecording) {
   std::atomic<int> attempts{0};
   std::atomic<bool> there{false};

@@ -91,6 +91,19 @@ TEST_F(Transcript, GivesBytesAtTheirTimesAndTakesWhatWasSent) {
   EXPECT_EQ(played->now(), (Moment{70, 1070}));
 }
 
+TEST_F(Transcript, IsOverWhenItIsOpenedBehindItsLastRun) {
+  write("# scansion raw transcript 1\nO 1 1\n< 2 2 a\nL 3 3 gone\nC 4 4\n");
+  auto transport = transcript_transport(path_);
+  ASSERT_TRUE(transport->open());
+  std::array<std::uint8_t, 8> bytes{};
+  EXPECT_TRUE(transport->read(bytes, 100));
+  EXPECT_FALSE(transport->read(bytes, 100));
+  EXPECT_FALSE(transport->is_over());
+  transport->close();
+  ASSERT_TRUE(transport->open());
+  EXPECT_TRUE(transport->is_over());
+}
+
 TEST_F(Transcript, OtherQuestionsAreRefused) {
   write("O 10 1010\n> 20 1020 ask\n< 30 1030 answer\n");
   auto played = transcript_transport(path_);
