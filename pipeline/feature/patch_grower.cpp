@@ -275,7 +275,9 @@ void PatchGrower::measure_ends(const PatchRow& row) {
 }
 
 void PatchGrower::queue_runs(const PatchRow& row) {
-  for (const Stretch& t : now_) {
+  const bool turned = row.source.front() > row.source.back(); // scanned backwards
+  for (std::size_t i = 0; i < now_.size(); ++i) {
+    const Stretch& t = now_[turned ? now_.size() - 1 - i : i];
     PatchRun run;
     run.line = row.line;
     const std::uint32_t x = row.source[t.first], y = row.source[t.last];
