@@ -28,9 +28,8 @@ std::size_t main_axis(const LineGroup& group) noexcept {
 } // namespace
 
 std::uint64_t log_time_ns(const ScanLine& line) noexcept {
-  constexpr std::uint64_t kNominalLine = 1'000'000;
   if (line.stamps.host_realtime_ns) return static_cast<std::uint64_t>(std::max<std::int64_t>(0, *line.stamps.host_realtime_ns));
-  return line.index * kNominalLine;
+  return line.index * kNominalLineNs;
 }
 
 struct GroupEncoder::Impl {

@@ -37,8 +37,18 @@ bool has_left_out(const PayloadHeader& h) noexcept {
 std::size_t varint_size(std::uint64_t value) noexcept {
   return (static_cast<std::size_t>(std::bit_width(value | 1U)) + 6) / 7;
 }
-std::uint64_t duration(const PayloadHeader& h) noexcept {
-  return zigzag(static_cast<std::int64_t>(h.last_time_ns - h.first_time_ns));
+// Times are told from what they are without stamps.
+std::uint64_t nominal_start(const PayloadHeader& h) noexcept {
+  return h.first_line * kNominalLineNs;
+}
+std::uint64_t nominal_duration(const PayloadHeader& h) noexcept {
+  return (h.line_count - std::uint64_t{1}) * kNominalLineNs;
+}
+std::uint64_t start_told(const PayloadHeader& h) noexcept {
+  return zigzag(static_cast<std::int64_t>(h.first_time_ns - nominal_start(h)));
+}
+std::uint64_t duration_told(const PayloadHeader& h) noexcept {
+  return zigzag(static_cast<std::int64_t>(h.last_time_ns - h.first_time_ns - nominal_duration(h)));
 }
 
 std::uint32_t checksum(ByteView payload) noexcept {
@@ -69,7 +79,7 @@ bool plausible(const PayloadHeader& h) noexcept {
 std::size_t header_size(const PayloadHeader& h) noexcept {
   std::size_t size = kNumbers + (has_tolerance(h) ? sizeof(double) : 0) + (has_left_out(h) ? sizeof(double) : 0);
   for (const std::uint64_t value : {std::uint64_t{h.group}, std::uint64_t{h.line_count}, std::uint64_t{h.epoch}, h.first_line,
-                                    h.first_time_ns, duration(h), std::uint64_t{h.points}, std::uint64_t{h.body_size}})
+                                    start_told(h), duration_told(h), std::uint64_t{h.points}, std::uint64_t{h.body_size}})
     size += varint_size(value);
   return size;
 }
@@ -87,8 +97,8 @@ void seal_payload(PayloadHeader h, ByteView body, Bytes& out) {
   put_varint(out, h.line_count);
   put_varint(out, h.epoch);
   put_varint(out, h.first_line);
-  put_varint(out, h.first_time_ns);
-  put_varint(out, duration(h));
+  put_varint(out, start_told(h));
+  put_varint(out, duration_told(h));
   if (has_tolerance(h)) append_le(out, std::bit_cast<std::uint64_t>(h.tolerance));
   if (has_left_out(h)) append_le(out, std::bit_cast<std::uint64_t>(h.left_out));
   put_varint(out, h.points);
@@ -118,14 +128,16 @@ Result<PayloadHeader> parse_payload_header(ByteView start, std::uint64_t availab
   h.stream = load_le<std::uint32_t>(p + kStream);
   ByteReader from(start.subspan(kNumbers));
   bool fits = true;
-  std::uint64_t time = 0;
+  std::uint64_t begins = 0;
+  std::uint64_t lasts = 0;
   take(from, h.group, fits);
   take(from, h.line_count, fits);
   take(from, h.epoch, fits);
   take(from, h.first_line, fits);
-  take(from, h.first_time_ns, fits);
-  take(from, time, fits);
-  h.last_time_ns = h.first_time_ns + static_cast<std::uint64_t>(unzigzag(time));
+  take(from, begins, fits);
+  take(from, lasts, fits);
+  h.first_time_ns = nominal_start(h) + static_cast<std::uint64_t>(unzigzag(begins));
+  h.last_time_ns = h.first_time_ns + nominal_duration(h) + static_cast<std::uint64_t>(unzigzag(lasts));
   if (has_tolerance(h)) h.tolerance = take_double(from);
   if (has_left_out(h)) h.left_out = take_double(from);
   take(from, h.points, fits);

@@ -17,6 +17,8 @@ using ByteView = std::span<const std::byte>;
 
 inline constexpr std::array<std::uint8_t, 8> kPayloadMark{0x89, 'S', 'C', 'N', 'G', 'R', 'P', 0x0A};
 inline constexpr std::uint8_t kPayloadVersion = 1;
+/// The log time of a line without a realtime stamp is its index times this.
+inline constexpr std::uint64_t kNominalLineNs = 1'000'000;
 /// Headers are between these many bytes long.
 inline constexpr std::size_t kShortestPayloadHeader = 27;
 inline constexpr std::size_t kLongestPayloadHeader = 84;

@@ -53,7 +53,7 @@ private:
 };
 
 Result<BlockStart> Indexer::start_at(std::uint64_t offset) {
-  SCANSION_TRY(bytes, small(offset, mcap::kFirstData));
+  SCANSION_TRY(bytes, small(offset, mcap::kMaxFirstData));
   return parse_block_start(bytes, window_.size() - offset, facts_);
 }
 
@@ -113,9 +113,9 @@ Result<GroupEntry> Indexer::group_at(const Framed& framed) {
 }
 
 Result<Gap> Indexer::gap_at(const Framed& framed) {
-  const std::uint64_t size = framed.start.chunk_size - mcap::kFirstData;
+  const std::uint64_t size = framed.start.chunk_size - framed.start.first_data;
   if (size > kMaxGapText) return fail(Errc::damaged, "gap message is longer than 64 KiB");
-  SCANSION_TRY(text, small(framed.offset + mcap::kFirstData, size));
+  SCANSION_TRY(text, small(framed.offset + framed.start.first_data, size));
   return parse_gap(mcap::text_of(text));
 }
 
@@ -137,8 +137,8 @@ Result<void> Indexer::add(const Framed& framed) {
                 "; use scansion recover");
   };
   if (framed.start.kind == BlockKind::features || framed.start.kind == BlockKind::patches) {
-    index_.notes.push_back({framed.offset + mcap::kFirstData,
-                            static_cast<std::uint32_t>(framed.start.chunk_size - mcap::kFirstData),
+    index_.notes.push_back({framed.offset + framed.start.first_data,
+                            static_cast<std::uint32_t>(framed.start.chunk_size - framed.start.first_data),
                             framed.start.kind == BlockKind::patches});
     return success();
   }
@@ -187,7 +187,7 @@ Result<bool> Indexer::intact(const Framed& framed) {
   if (block.size() != framed.start.block_size) return false;
   std::vector<ByteView> messages;
   const std::size_t count = messages_in(framed.start.kind, facts_);
-  if (!split_chunk(block.first(framed.start.chunk_size), count, messages)) return false;
+  if (!split_chunk(block.first(framed.start.chunk_size), framed.start.first_data, count, messages)) return false;
   if (framed.start.kind == BlockKind::gap && !parse_gap(mcap::text_of(messages.front()))) return false;
   if (framed.start.kind == BlockKind::group && !check_group(messages, facts_)) return false;
   Block expected;

@@ -5,6 +5,7 @@
 #include "pipeline/codec/endian.hpp"
 #include "pipeline/record/metadata.hpp"
 
+#include <cassert>
 #include <nlohmann/json.hpp>
 
 namespace scansion {
@@ -22,6 +23,8 @@ enum SchemaId : std::uint16_t { kLinesSchema = 1, kLevelSchema = 2, kGapSchema =
 constexpr std::string_view kGapJsonSchema =
     R"({"type":"object","properties":{"first":{"type":"integer"},"count":{"type":["integer","null"]},)"
     R"("reason":{"type":"string"}}})";
+/// kMaxFirstData allows for these, with the longest name of a device.
+constexpr std::size_t kMaxGapDefinitions = mcap::kMaxFirstData - mcap::kFirstData;
 
 constexpr std::string_view kFeaturesJsonSchema =
     R"({"title":"scansion.Features","type":"object","properties":{"group":{"type":"integer","minimum":0},"lines":{"type)"
@@ -57,6 +60,24 @@ void channel(Builder& b, std::uint16_t id, std::uint16_t schema_id, std::string_
   b.end(begun);
 }
 
+void gap_schema(Builder& b) {
+  schema(b, kGapSchema, "scansion.Gap", "jsonschema", kGapJsonSchema);
+}
+
+void gap_channel_record(Builder& b, const RecordingFacts& facts) {
+  channel(b, channel_of(BlockKind::gap, facts), kGapSchema, "scan/" + facts.device + "/gaps", "json");
+}
+
+// Most recordings have no gap: what defines their channel stands in the chunk of the first one.
+Bytes gap_definitions(const RecordingFacts& facts) {
+  Bytes bytes;
+  Builder b(bytes);
+  gap_schema(b);
+  gap_channel_record(b, facts);
+  assert(bytes.size() <= kMaxGapDefinitions);
+  return bytes;
+}
+
 void message_head(Builder& b, std::uint16_t channel_id, std::uint32_t sequence, std::uint64_t time, std::uint64_t size) {
   b.begin_sized(Opcode::message, kMessageFields + size);
   b.u16(channel_id);
@@ -75,12 +96,12 @@ void message_index(Builder& b, std::uint16_t channel_id, std::uint64_t time, std
 
 } // namespace
 
-Bytes schema_records(const RecordingFacts& facts) {
+Bytes schema_records(const RecordingFacts& facts, bool gaps) {
   Bytes bytes;
   Builder b(bytes);
-  schema(b, kLinesSchema, "scansion.Lines", "scansion", "See Scansion, docs/FORMAT.md.");
-  schema(b, kLevelSchema, "scansion.Level", "scansion", "See Scansion, docs/FORMAT.md.");
-  schema(b, kGapSchema, "scansion.Gap", "jsonschema", kGapJsonSchema);
+  schema(b, kLinesSchema, "scansion.Lines", "scansion", "");
+  schema(b, kLevelSchema, "scansion.Level", "scansion", "");
+  if (gaps) gap_schema(b);
   if (facts.features) {
     schema(b, kFeaturesSchema, "scansion.Features", "jsonschema", kFeaturesJsonSchema);
     schema(b, kPatchesSchema, "scansion.Patches", "jsonschema", kPatchesJsonSchema);
@@ -88,7 +109,7 @@ Bytes schema_records(const RecordingFacts& facts) {
   return bytes;
 }
 
-Bytes channel_records(const RecordingFacts& facts) {
+Bytes channel_records(const RecordingFacts& facts, bool gaps) {
   const std::string stem = "scan/" + facts.device + "/";
   Bytes bytes;
   Builder b(bytes);
@@ -97,7 +118,7 @@ Bytes channel_records(const RecordingFacts& facts) {
     const std::string name = k < facts.level_count ? "lod" + std::to_string(k) : "rest";
     channel(b, static_cast<std::uint16_t>(k + 2), kLevelSchema, stem + name, "scansion");
   }
-  channel(b, channel_of(BlockKind::gap, facts), kGapSchema, stem + "gaps", "json");
+  if (gaps) gap_channel_record(b, facts);
   if (facts.features) {
     channel(b, channel_of(BlockKind::features, facts), kFeaturesSchema, stem + "features", "json");
     channel(b, channel_of(BlockKind::patches, facts), kPatchesSchema, stem + "patches", "json");
@@ -113,7 +134,7 @@ Bytes head_bytes(const RecordingFacts& facts) {
   b.string("scansion");
   b.string("scansion 1");
   b.end(begun);
-  for (const Bytes& part : {schema_records(facts), channel_records(facts), facts_record(facts)})
+  for (const Bytes& part : {schema_records(facts, false), channel_records(facts, false), facts_record(facts)})
     bytes.insert(bytes.end(), part.begin(), part.end());
   return bytes;
 }
@@ -142,21 +163,24 @@ Result<Gap> parse_gap(std::string_view text) {
 }
 
 void Block::build_group(std::uint32_t number, std::uint64_t time, std::span<const ByteView> payloads) {
-  build(1, number, time, payloads);
+  build({}, 1, number, time, payloads);
 }
 
 void Block::build_text(const RecordingFacts& facts, BlockKind kind, std::uint32_t sequence, std::uint64_t time, ByteView text) {
-  build(channel_of(kind, facts), sequence, time, std::span(&text, 1));
+  const bool first_gap = kind == BlockKind::gap && sequence == 0;
+  build(first_gap ? gap_definitions(facts) : Bytes{}, channel_of(kind, facts), sequence, time, std::span(&text, 1));
 }
 
-void Block::build(std::uint16_t first_channel, std::uint32_t sequence, std::uint64_t time, std::span<const ByteView> messages) {
-  std::uint64_t records = 0;
+void Block::build(const Bytes& definitions, std::uint16_t first_channel, std::uint32_t sequence, std::uint64_t time,
+                  std::span<const ByteView> messages) {
+  std::uint64_t records = definitions.size();
   for (const ByteView m : messages) records += mcap::kMessageHead + m.size();
   index_size_ = mcap::kMessageIndex * messages.size();
   chunk_size_ = mcap::kChunkHead + records;
 
   frame_.clear();
-  frame_.reserve(mcap::kChunkHead + mcap::kMessageHead * messages.size() + index_size_); // pieces point into it
+  // Pieces point into it.
+  frame_.reserve(mcap::kChunkHead + definitions.size() + mcap::kMessageHead * messages.size() + index_size_);
   pieces_.clear();
   Builder b(frame_);
   b.begin_sized(Opcode::chunk, kChunkFields + records);
@@ -167,7 +191,8 @@ void Block::build(std::uint16_t first_channel, std::uint32_t sequence, std::uint
   b.string("");
   b.u64(records);
 
-  std::uint32_t records_crc = 0;
+  frame_.insert(frame_.end(), definitions.begin(), definitions.end());
+  std::uint32_t records_crc = mcap::crc32(0, definitions);
   std::size_t piece_begin = 0;
   for (std::size_t i = 0; i < messages.size(); ++i) {
     const std::size_t head_at = frame_.size();
@@ -178,7 +203,7 @@ void Block::build(std::uint16_t first_channel, std::uint32_t sequence, std::uint
     piece_begin = frame_.size();
   }
   store_le(frame_.data() + kCrcInChunk, records_crc);
-  std::uint64_t offset = 0;
+  std::uint64_t offset = definitions.size();
   for (std::size_t i = 0; i < messages.size(); ++i) {
     message_index(b, static_cast<std::uint16_t>(first_channel + i), time, offset);
     offset += mcap::kMessageHead + messages[i].size();
@@ -200,8 +225,15 @@ Result<BlockStart> parse_block_start(ByteView bytes, std::uint64_t available, co
   start.chunk_size = head.length + mcap::kRecordHead;
   if (start.chunk_size > available) return fail(Errc::damaged, "chunk is cut short");
   if (start.chunk_size < mcap::kFirstData) return fail(Errc::damaged, "chunk is too short for a message");
-  mcap::Cursor cursor(bytes.first(mcap::kFirstData));
-  (void)cursor.take(mcap::kChunkHead + mcap::kRecordHead);
+  if (mcap::is(mcap::record_head(bytes.subspan(mcap::kChunkHead)), Opcode::schema)) {
+    const Bytes definitions = gap_definitions(facts);
+    if (start.chunk_size < mcap::kFirstData + definitions.size() ||
+        !mcap::same(bytes.subspan(mcap::kChunkHead, definitions.size()), definitions))
+      return fail(Errc::damaged, "chunk does not define the channel of gaps");
+    start.first_data += definitions.size();
+  }
+  mcap::Cursor cursor(bytes.first(start.first_data));
+  (void)cursor.take(start.first_data - mcap::kMessageHead + mcap::kRecordHead);
   const std::uint16_t channel_id = cursor.u16();
   start.sequence = cursor.u32();
   start.time = cursor.u64();
@@ -209,17 +241,17 @@ Result<BlockStart> parse_block_start(ByteView bytes, std::uint64_t available, co
     if (channel_id < gap_channel(facts) || channel_id >= gap_channel(facts) + text_channels(facts))
       return fail(Errc::damaged, "chunk starts with a message of an unexpected channel");
     start.kind = static_cast<BlockKind>(channel_id - gap_channel(facts) + static_cast<int>(BlockKind::gap));
-    if (start.chunk_size - mcap::kFirstData > max_text(start.kind)) return fail(Errc::damaged, "a text message is too long");
+    if (start.chunk_size - start.first_data > max_text(start.kind)) return fail(Errc::damaged, "a text message is too long");
   }
   start.block_size = start.chunk_size + mcap::kMessageIndex * messages_in(start.kind, facts);
   if (start.block_size > available) return fail(Errc::damaged, "message indexes of the chunk are cut short");
   return start;
 }
 
-Result<void> split_chunk(ByteView chunk, std::size_t messages, std::vector<ByteView>& out) {
+Result<void> split_chunk(ByteView chunk, std::uint64_t first_data, std::size_t messages, std::vector<ByteView>& out) {
   out.clear();
   mcap::Cursor cursor(chunk);
-  (void)cursor.take(mcap::kChunkHead);
+  (void)cursor.take(first_data - mcap::kMessageHead);
   for (std::size_t i = 0; i < messages; ++i) {
     const mcap::RecordHead head = mcap::record_head(cursor.take(mcap::kRecordHead));
     (void)cursor.take(kMessageFields);

@@ -49,13 +49,14 @@ enum class BlockKind : std::uint8_t { group, gap, features, patches };
 }
 
 /// Schemas and channels, each a run of whole records.
-[[nodiscard]] Bytes schema_records(const RecordingFacts& facts);
-[[nodiscard]] Bytes channel_records(const RecordingFacts& facts);
-[[nodiscard]] inline std::uint16_t schema_count(const RecordingFacts& f) noexcept {
-  return static_cast<std::uint16_t>(2 + text_channels(f));
+/// `gaps`: with those of gap messages, which come with the first of these; neither is in the head.
+[[nodiscard]] Bytes schema_records(const RecordingFacts& facts, bool gaps);
+[[nodiscard]] Bytes channel_records(const RecordingFacts& facts, bool gaps);
+[[nodiscard]] inline std::uint16_t schema_count(const RecordingFacts& f, bool gaps) noexcept {
+  return static_cast<std::uint16_t>(1 + text_channels(f) + (gaps ? 1 : 0));
 }
-[[nodiscard]] inline std::uint32_t channel_count(const RecordingFacts& f) noexcept {
-  return payloads_per_group(f) + text_channels(f);
+[[nodiscard]] inline std::uint32_t channel_count(const RecordingFacts& f, bool gaps) noexcept {
+  return payloads_per_group(f) + text_channels(f) - (gaps ? 0 : 1);
 }
 
 /// Everything before the first chunk, magic included.
@@ -86,7 +87,8 @@ public:
   [[nodiscard]] std::uint32_t crc() const noexcept { return crc_; } ///< CRC-32 of all pieces
 
 private:
-  void build(std::uint16_t first_channel, std::uint32_t sequence, std::uint64_t time, std::span<const ByteView> messages);
+  void build(const Bytes& definitions, std::uint16_t first_channel, std::uint32_t sequence, std::uint64_t time,
+             std::span<const ByteView> messages);
   Bytes frame_;
   std::vector<ByteView> pieces_;
   std::uint64_t chunk_size_ = 0;
@@ -94,18 +96,20 @@ private:
   std::uint32_t crc_ = 0;
 };
 
-/// What the first kFirstData bytes of a chunk say. Nothing of it is certain before the block has been compared.
+/// What the first kMaxFirstData bytes of a chunk say. Nothing of it is certain before the block has been compared.
 struct BlockStart {
   BlockKind kind = BlockKind::group;
   std::uint32_t sequence = 0;
   std::uint64_t time = 0;
   std::uint64_t chunk_size = 0;
   std::uint64_t block_size = 0; ///< chunk and message indexes
+  std::uint64_t first_data = mcap::kFirstData; ///< from the start of the chunk to the data of its first message
 };
 /// Fails with damaged when no block of this recording can start so, or it would be longer than `available` or kMaxChunk.
 [[nodiscard]] Result<BlockStart> parse_block_start(ByteView bytes, std::uint64_t available, const RecordingFacts& facts);
 
-/// The message data in a chunk record, in order; fails with damaged when they do not fill it.
-[[nodiscard]] Result<void> split_chunk(ByteView chunk, std::size_t messages, std::vector<ByteView>& out);
+/// The message data in a chunk record, in order; fails with damaged when they do not fill it. `first_data`: of its BlockStart.
+[[nodiscard]] Result<void> split_chunk(ByteView chunk, std::uint64_t first_data, std::size_t messages,
+                                       std::vector<ByteView>& out);
 
 } // namespace scansion

@@ -36,8 +36,9 @@ inline constexpr std::size_t kMessageHead = 31;  ///< of a Message, before its d
 inline constexpr std::size_t kMessageIndex = 31; ///< a whole MessageIndex of one message
 inline constexpr std::size_t kDataEnd = 13;      ///< a whole DataEnd
 inline constexpr std::size_t kFooter = 29;       ///< a whole Footer
-/// From the start of a chunk to the data of its first message.
+/// From the start of a chunk to the data of its first message; the most with a schema and a channel before that message.
 inline constexpr std::size_t kFirstData = kChunkHead + kMessageHead;
+inline constexpr std::size_t kMaxFirstData = kFirstData + 512;
 
 using Entries = std::vector<std::pair<std::string, std::string>>;
 

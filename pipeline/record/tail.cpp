@@ -37,8 +37,8 @@ public:
   Result<void> summary() {
     summary_start_ = flushed_;
     const RecordingFacts& facts = *tail_.facts;
-    append(schema_records(facts));
-    append(channel_records(facts));
+    append(schema_records(facts, tail_.end.gaps > 0));
+    append(channel_records(facts, tail_.end.gaps > 0));
     statistics();
     for (const ChunkEntry& entry : *tail_.chunks) {
       chunk_index(entry);
@@ -83,8 +83,8 @@ private:
     Builder b(buffer_);
     const std::size_t begun = b.begin(Opcode::statistics);
     b.u64(messages);
-    b.u16(schema_count(facts));
-    b.u32(channel_count(facts));
+    b.u16(schema_count(facts, tail_.end.gaps > 0));
+    b.u32(channel_count(facts, tail_.end.gaps > 0));
     b.u32(0); // attachments
     b.u32(static_cast<std::uint32_t>(tail_.copies->size() + 1));
     b.u32(static_cast<std::uint32_t>(chunks.size()));

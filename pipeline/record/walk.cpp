@@ -12,12 +12,13 @@ namespace {
 using namespace std::string_view_literals;
 
 /// What can start behind a broken stretch. The first data of a chunk is a payload's mark or a gap's text, at a fixed distance
-/// from the chunk's first byte; the name of a Metadata record stands behind its framing.
+/// from the chunk's first byte; before the first gap of all its schema stands there; the name of a Metadata record stands behind its framing.
 constexpr std::string_view kMarkPattern{"\x89SCNGRP\n", 8};
-constexpr std::array kRestarts{kMarkPattern, R"({"first":)"sv, R"({"group":)"sv, "\x08\0\0\0scansion"sv,
-                               "\x0c\0\0\0scansion.end"sv};
-constexpr std::array<std::uint64_t, kRestarts.size()> kStartBefore{mcap::kFirstData, mcap::kFirstData, mcap::kFirstData,
-                                                                   mcap::kRecordHead, mcap::kRecordHead};
+constexpr std::array kRestarts{kMarkPattern, R"({"first":)"sv, R"({"group":)"sv, "\x0c\0\0\0scansion.Gap"sv,
+                               "\x08\0\0\0scansion"sv, "\x0c\0\0\0scansion.end"sv};
+constexpr std::uint64_t kFirstName = mcap::kChunkHead + mcap::kRecordHead + 2; // behind the id of a schema
+constexpr std::array<std::uint64_t, kRestarts.size()> kStartBefore{mcap::kFirstData, mcap::kFirstData,  mcap::kFirstData,
+                                                                   kFirstName,       mcap::kRecordHead, mcap::kRecordHead};
 
 enum class What : std::uint8_t { group, gap, note, copy, end, nothing };
 
@@ -120,13 +121,13 @@ std::optional<std::uint64_t> Walker::first_difference(ByteView block) const {
 }
 
 Result<Item> Walker::look_at_block(std::uint64_t at) {
-  SCANSION_TRY(head, window_.view(at, mcap::kFirstData));
+  SCANSION_TRY(head, window_.view(at, mcap::kMaxFirstData));
   const auto start = parse_block_start(head, window_.size() - at, facts_);
   if (!start) return nothing(at, start.error().context);
   const BlockStart& s = start.value();
   SCANSION_TRY(budget_.spend(s.block_size, window_.file()));
   SCANSION_TRY(block, window_.view(at, s.block_size));
-  const auto split = split_chunk(block.first(s.chunk_size), messages_in(s.kind, facts_), payloads_);
+  const auto split = split_chunk(block.first(s.chunk_size), s.first_data, messages_in(s.kind, facts_), payloads_);
   if (!split) return nothing(at, split.error().context);
 
   Item item;
@@ -134,18 +135,18 @@ Result<Item> Walker::look_at_block(std::uint64_t at) {
   item.entry = {at, s.time, static_cast<std::uint32_t>(s.chunk_size), s.kind};
   if (s.kind == BlockKind::gap) {
     auto gap = parse_gap(mcap::text_of(payloads_.front()));
-    if (!gap) return nothing(at + mcap::kFirstData, gap.error().context);
+    if (!gap) return nothing(at + s.first_data, gap.error().context);
     item.what = What::gap;
     item.gap = std::move(gap).value();
     block_.build_text(facts_, s.kind, s.sequence, s.time, payloads_.front());
     if (gap_text(item.gap) != mcap::text_of(payloads_.front()))
-      return nothing(at + mcap::kFirstData, "gap message is not as written");
+      return nothing(at + s.first_data, "gap message is not as written");
   } else if (s.kind != BlockKind::group) {
     FeatureReport report;
     const std::string_view text = mcap::text_of(payloads_.front());
     const auto read =
         s.kind == BlockKind::features ? parse_features_message(text, report) : parse_patches_message(text, report);
-    if (!read) return nothing(at + mcap::kFirstData, read.error().context);
+    if (!read) return nothing(at + s.first_data, read.error().context);
     item.what = What::note;
     block_.build_text(facts_, s.kind, s.sequence, s.time, payloads_.front());
   } else {

@@ -18,8 +18,8 @@ SMALL_LIMIT = 64 << 10
 METADATA_SOON, METADATA_STRIDE = 16, 256  # copies of the metadata stand behind these many groups
 
 SCHEMAS = [  # name, encoding, data; ids from 1
-    ("scansion.Lines", "scansion", "See Scansion, docs/FORMAT.md."),
-    ("scansion.Level", "scansion", "See Scansion, docs/FORMAT.md."),
+    ("scansion.Lines", "scansion", ""),
+    ("scansion.Level", "scansion", ""),
     ("scansion.Gap", "jsonschema",
      '{"type":"object","properties":{"first":{"type":"integer"},"count":{"type":["integer","null"]},"reason":{"type":"string"}}}'),
     ("scansion.Features", "jsonschema",
@@ -145,7 +145,7 @@ def parse_metadata(content, where, keys):
 
 
 def channels(facts):
-    """[(id, topic, message encoding, schema id)] that follow from the metadata."""
+    """[(id, topic, message encoding, schema id)] that follow from the metadata; that of gaps comes with the first of them."""
     count = int(facts["level_count"])
     stored = int(facts.get("stored_levels", count + 1))
     need(1 <= count <= 16 and 1 <= stored <= count + 1, f"{stored} of {count} + 1 levels are stored")
@@ -190,8 +190,15 @@ class Checker:
         self.channels = [record(CHANNEL, struct.pack("<HH", i, schema) + text(topic) + text(encoding) + struct.pack("<I", 0))
                          for i, topic, encoding, schema in rows]
         self.names = {row[0]: row[1].rsplit("/", 1)[1] for row in rows}
+        self.gap_row = list(self.names.values()).index("gaps")
+        self.gap_definitions = self.schemas[2] + self.channels[self.gap_row]
         self.metadata.append((offset, len(self.metadata_record), "scansion"))
-        return self.expect(at, b"".join(self.schemas + self.channels) + self.metadata_record, "the head")
+        return self.expect(at, self.definitions(False) + self.metadata_record, "the head")
+
+    def definitions(self, gaps):
+        """Schemas and channels, those of gaps among them or not."""
+        return b"".join(built for i, built in enumerate(self.schemas) if gaps or i != 2) + b"".join(
+            built for i, built in enumerate(self.channels) if gaps or i != self.gap_row)
 
     @staticmethod
     def built_metadata(name, values):
@@ -209,8 +216,9 @@ class Checker:
         fields.end()
         need(compression == "", f"{where}: compression {compression}")
         need(crc == zlib.crc32(inner), f"{where}: uncompressed_crc is wrong")
-        messages, used = [], 0
-        for offset, opcode, message in records(inner, 0):
+        first_gap = inner.startswith(self.gap_definitions)
+        messages, used = [], len(self.gap_definitions) if first_gap else 0
+        for offset, opcode, message in records(inner, used):
             need(opcode == MESSAGE, f"{where}: opcode {opcode} inside")
             channel, sequence, log_time, publish_time = struct.unpack_from("<HIQQ", message)
             need(log_time == publish_time, f"{where}: log_time {log_time}, publish_time {publish_time}")
@@ -219,6 +227,8 @@ class Checker:
         need(used == len(inner) and messages, f"{where}: {len(inner) - used} bytes are no message")
         log_time = messages[0][3]
         need(all(message[3] == log_time for message in messages), f"{where}: messages of different times")
+        need(first_gap == (not self.out.gaps and self.names.get(messages[0][1]) == "gaps"),
+             f"{where}: the channel of gaps belongs into the chunk of the first of them")
         self.messages(where, messages)
         body = struct.pack("<QQQI", log_time, log_time, len(inner), zlib.crc32(inner)) + text("")
         built = record(CHUNK, body + struct.pack("<Q", len(inner)) + inner)
@@ -302,11 +312,12 @@ class Checker:
         """False when the file ends inside."""
         times = self.times or [0]
         counts = b"".join(struct.pack("<HQ", i, count) for i, count in sorted(self.counts.items()))
-        statistics = struct.pack("<QHIIIIQQ", sum(self.counts.values()), len(self.schemas), len(self.channels), 0,
-                                 len(self.metadata), len(self.chunks), min(times), max(times))
+        absent = 0 if self.out.gaps else 1
+        statistics = struct.pack("<QHIIIIQQ", sum(self.counts.values()), len(self.schemas) - absent,
+                                 len(self.channels) - absent, 0, len(self.metadata), len(self.chunks), min(times), max(times))
         indexes = [record(METADATA_INDEX, struct.pack("<QQ", offset, size) + text(name)) for offset, size, name in self.metadata]
         statistics = record(STATISTICS, statistics + struct.pack("<I", len(counts)) + counts)
-        built = b"".join(self.schemas + self.channels + [statistics] + self.chunks + indexes)
+        built = self.definitions(bool(self.out.gaps)) + b"".join([statistics] + self.chunks + indexes)
         built += struct.pack("<BQQQ", FOOTER, 20, start, 0)
         built += struct.pack("<I", zlib.crc32(built)) + MAGIC
         left = len(self.data) - start

@@ -20,6 +20,7 @@ from format_container import Fields, FormatError, crc32c, need, read_container
 MARK = b"\x89SCNGRP\n"
 HEADER = struct.Struct("<8sBIBBI")
 LINES, LEVEL, REST = 0, 1, 2
+NOMINAL_NS = 1000000  # from line to line where there are no stamps
 UNKNOWN = 255
 
 
@@ -190,7 +191,9 @@ class Header:
         self.level = max(0, place - 1)
         fields = Body(payload[HEADER.size:], where)
         self.group, self.lines, self.epoch, self.first_line, self.first_time = (fields.least_varint() for _ in range(5))
-        self.last_time = (self.first_time + zigzag(fields.least_varint())) % (1 << 64)
+        self.first_time = (self.first_line * NOMINAL_NS + zigzag(self.first_time)) % (1 << 64)
+        nominal = (self.lines - 1) * NOMINAL_NS
+        self.last_time = (self.first_time + nominal + zigzag(fields.least_varint())) % (1 << 64)
         self.tolerance = fields.number("d") if self.kind == LEVEL else 0.0
         self.left_out = fields.number("d") if self.kind != REST else 0.0
         self.points, size = fields.least_varint(), fields.least_varint()
@@ -667,7 +670,7 @@ class Recording:
         need((first.group, first.first_time) == (sequence, time), f"{where}: the message has another number or time")
         group = Group(first)
         need(group.residuals == self.exact, f"{where}: residuals")
-        times = [line.stamps.get(2, line.index * 1000000 % (1 << 64)) for line in group.lines]
+        times = [line.stamps.get(2, line.index * NOMINAL_NS % (1 << 64)) for line in group.lines]
         need((first.first_time, first.last_time) == (times[0], times[-1]), f"{where}: times of the header")
         for header in headers[1:wanted + 1]:
             group.add(header)
