@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "pipeline/codec/codec.hpp"
 #include "pipeline/model/scan_line.hpp"
 #include "tests/bench/lines.hpp"
 
@@ -54,5 +55,9 @@ struct Image {
 [[nodiscard]] Result<std::string> text_of(const LineSet& set);
 [[nodiscard]] Packed pack_text_xz(const std::string& text);   ///< xz -9
 [[nodiscard]] Packed pack_text_zstd(const std::string& text); ///< zstd -19
+
+/// The points farther than a tolerance alone, all groups in one stream: xz -9e of index and value differences as varints. What
+/// regular axes and run lengths need is not counted.
+[[nodiscard]] Packed pack_kept_xz(const Groups& groups, std::span<const GroupRanks> ranks, double tolerance_mm);
 
 } // namespace scansion::bench
