@@ -102,7 +102,7 @@ struct BlockStart {
   std::uint32_t sequence = 0;
   std::uint64_t time = 0;
   std::uint64_t chunk_size = 0;
-  std::uint64_t block_size = 0; ///< chunk and message indexes
+  std::uint64_t block_size = 0;                ///< chunk and message indexes
   std::uint64_t first_data = mcap::kFirstData; ///< from the start of the chunk to the data of its first message
 };
 /// Fails with damaged when no block of this recording can start so, or it would be longer than `available` or kMaxChunk.

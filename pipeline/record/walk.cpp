@@ -12,9 +12,10 @@ namespace {
 using namespace std::string_view_literals;
 
 /// What can start behind a broken stretch. The first data of a chunk is a payload's mark or a gap's text, at a fixed distance
-/// from the chunk's first byte; before the first gap of all its schema stands there; the name of a Metadata record stands behind its framing.
+/// from the chunk's first byte; before the first gap of all its schema stands there; the name of a Metadata record stands
+/// behind its framing.
 constexpr std::string_view kMarkPattern{"\x89SCNGRP\n", 8};
-constexpr std::array kRestarts{kMarkPattern, R"({"first":)"sv, R"({"group":)"sv, "\x0c\0\0\0scansion.Gap"sv,
+constexpr std::array kRestarts{kMarkPattern,           R"({"first":)"sv,          R"({"group":)"sv, "\x0c\0\0\0scansion.Gap"sv,
                                "\x08\0\0\0scansion"sv, "\x0c\0\0\0scansion.end"sv};
 constexpr std::uint64_t kFirstName = mcap::kChunkHead + mcap::kRecordHead + 2; // behind the id of a schema
 constexpr std::array<std::uint64_t, kRestarts.size()> kStartBefore{mcap::kFirstData, mcap::kFirstData,  mcap::kFirstData,

@@ -195,7 +195,8 @@ void SizeTables::add_targets(const LineSet& set, const Measured& m) {
 
 void SizeTables::add_container(const std::string& name, const OurSize& ours) {
   judge(name + "container, share of the recording", quotient(ours.file - ours.payloads, ours.file), kContainer);
-  targets_.add({name + "container and payload headers", Figure{quotient(ours.file - ours.payloads + ours.headers, ours.file), 4}});
+  targets_.add(
+      {name + "container and payload headers", Figure{quotient(ours.file - ours.payloads + ours.headers, ours.file), 4}});
 }
 
 // A set for whose peers there is no time.

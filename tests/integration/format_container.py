@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 MAGIC = b"\x89MCAP0\r\n"
 HEADER, FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, MESSAGE_INDEX, CHUNK_INDEX = range(1, 9)
 STATISTICS, METADATA, METADATA_INDEX, _, DATA_END = range(11, 16)
+MESSAGE_INDEX_SIZE = 31
 CHUNK_LIMIT = 192 << 20
 SMALL_LIMIT = 64 << 10
 METADATA_SOON, METADATA_STRIDE = 16, 256  # copies of the metadata stand behind these many groups
@@ -227,6 +228,9 @@ class Checker:
         need(used == len(inner) and messages, f"{where}: {len(inner) - used} bytes are no message")
         log_time = messages[0][3]
         need(all(message[3] == log_time for message in messages), f"{where}: messages of different times")
+        indexes_end = at + 9 + len(content) + MESSAGE_INDEX_SIZE * len(messages)
+        if indexes_end > len(self.data):
+            return None  # cut off inside the block
         need(first_gap == (not self.out.gaps and self.names.get(messages[0][1]) == "gaps"),
              f"{where}: the channel of gaps belongs into the chunk of the first of them")
         self.messages(where, messages)
@@ -235,8 +239,6 @@ class Checker:
         end = self.expect(at, built, "the chunk")
         indexes = [record(MESSAGE_INDEX, struct.pack("<HIQQ", channel, 16, log_time, offset))
                    for offset, channel, _, _, _ in messages]
-        if end + sum(map(len, indexes)) > len(self.data):
-            return None
         starts = [end + sum(map(len, indexes[:i])) for i in range(len(indexes))]
         places = b"".join(struct.pack("<HQ", message[1], start) for message, start in zip(messages, starts))
         done = self.expect(end, b"".join(indexes), "a message index")
