@@ -127,6 +127,20 @@ TEST(RecordingWriter, EqualInputGivesEqualBytes) {
   EXPECT_EQ(read_file(folder / "a.mcap"), read_file(folder / "b.mcap"));
 }
 
+TEST(RecordingWriter, DescribesGapsOnlyWhereThereIsOne) {
+  const Folder folder;
+  for (const bool gap : {false, true}) {
+    const std::string path = folder / (gap ? "with.mcap" : "without.mcap");
+    make(path, {.groups = 3, .gap_after_first = gap});
+    const Bytes bytes = read_file(path);
+    const std::string_view text = mcap::text_of(bytes);
+    std::size_t found = 0;
+    for (std::size_t at = text.find("scansion.Gap"); at != std::string_view::npos; at = text.find("scansion.Gap", at + 1))
+      ++found;
+    EXPECT_EQ(found, gap ? 2U : 0U) << "in the chunk of the first gap and in the summary";
+  }
+}
+
 TEST(RecordingWriter, CountsWhatItWrote) {
   const Folder folder;
   const Made made = make(folder / "a.mcap", {.groups = 4, .lines = 10, .gap_after_first = true});
