@@ -6,6 +6,7 @@
 #include "pipeline/codec/tokens.hpp"
 
 #include <algorithm>
+#include <array>
 #include <gtest/gtest.h>
 #include <limits>
 #include <random>
@@ -58,6 +59,33 @@ TEST(Kernels, VectorUnitsChangeNothing) {
         ASSERT_LT(context[i], 48);
       }
     }
+  }
+}
+
+TEST(Kernels, LeftOverIsWhatWholeNumbersGive) {
+  std::mt19937_64 random(4);
+  constexpr std::size_t kRows = 500;
+  const auto rows = noise<std::int32_t>(random, 16 * kRows);
+  const auto weights = noise<std::int16_t>(random, kWeights);
+  std::array<double, 16> wide{};
+  std::ranges::copy(weights, wide.begin());
+  std::vector<std::int32_t> left(kRows);
+  kernels::left_over(rows.data(), wide.data(), left.data(), kRows);
+  for (std::size_t r = 0; r < kRows; ++r) {
+    std::int64_t sum = 1 << (kWeightBits - 1);
+    for (std::size_t k = 0; k < kWeights; ++k) sum += std::int64_t{weights[k]} * rows[16 * r + k];
+    ASSERT_EQ(left[r], wrap(rows[16 * r + kWeights] - (sum >> kWeightBits)));
+  }
+}
+
+TEST(Kernels, CountsWhatIsAbove) {
+  std::mt19937_64 random(5);
+  for (std::size_t n = 0; n < 100; ++n) {
+    std::vector<double> values(n);
+    for (double& v : values) v = static_cast<double>(random() % 8);
+    if (n > 2) values[1] = std::numeric_limits<double>::infinity();
+    const auto larger = static_cast<std::size_t>(std::ranges::count_if(values, [](double v) { return v > 3.0; }));
+    EXPECT_EQ(kernels::count_above(values.data(), 3.0, n), larger);
   }
 }
 
