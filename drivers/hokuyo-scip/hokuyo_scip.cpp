@@ -239,7 +239,7 @@ private:
     const std::int64_t line_ns = line_at() ? line_at()->monotonic_ns : 0;
     if (line_ns > heard_ns_) {
       heard_ns_ = line_ns;
-      probes_ = 0;
+      probes_ = unanswered_ = 0; // it measures, whatever became of the answers
       is_polled_ = false;
     }
     if (probes_ == 0) started_waiting_ns_ = heard_ns_;
