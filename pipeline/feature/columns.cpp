@@ -75,7 +75,7 @@ void Columns::resample(const Profile& profile, const Sampling& sampling, Row& ou
       while (k + 2 < end && s[k + 1] < place) ++k;
       if (k + 1 >= end) break;
       const double ds = s[k + 1] - s[k], dw = w[k + 1] - w[k], t = place - s[k];
-      if (ds > kWidest * pitch_) continue;
+      if (ds > kWidest * sampling.pitch) continue;
       const bool nearer = t < ds - t;
       height[j] = static_cast<float>((std::abs(dw) > jump ? (nearer ? w[k] : w[k + 1]) : w[k] + dw * (t / ds)) - base_);
       source[j] = profile.source[nearer ? k : k + 1];
@@ -136,16 +136,24 @@ void Columns::screen(std::int64_t r, const Sampling& sampling) {
   for (std::int64_t k = r + 1; k <= high; ++k) accumulate(k, after_[static_cast<std::size_t>(k - r - 1)]);
 }
 
-// Copies a column around row r into s_, w_ without its holes.
+// Copies a column around row r into s_, w_ without its holes, and notes its steepest_ interval.
 void Columns::copy_column(std::int64_t r, std::size_t column, std::int64_t reach) {
-  s_.clear();
-  w_.clear();
-  for (std::int64_t k = std::max(first_, r - reach); k <= std::min(next_ - 1, r + reach); ++k) {
-    const float height = row(k).height[column];
+  const std::int64_t low = std::max(first_, r - reach), high = std::min(next_ - 1, r + reach);
+  s_.resize(static_cast<std::size_t>(high - low + 1));
+  w_.resize(s_.size());
+  std::size_t n = 0, slot = static_cast<std::size_t>(low) % ring_.size();
+  float before = kNone, steepest = 0.0F;
+  for (std::int64_t k = low; k <= high; ++k, slot = slot + 1 == ring_.size() ? 0 : slot + 1) {
+    const float height = ring_[slot].height[column];
     if (std::isnan(height)) continue;
-    s_.push_back(row(k).c);
-    w_.push_back(static_cast<double>(height) + base_);
+    s_[n] = ring_[slot].c;
+    w_[n++] = static_cast<double>(height) + base_;
+    steepest = std::max(steepest, std::abs(height - before)); // a NaN is not greater
+    before = height;
   }
+  s_.resize(n);
+  w_.resize(n);
+  steepest_ = static_cast<double>(steepest);
 }
 
 ColumnPoint Columns::column_point(std::int64_t r, std::size_t column, const FeaturePoint& feature) const {
@@ -201,6 +209,7 @@ void Columns::measure_bend(std::int64_t r, std::size_t column, const Sampling& s
 void Columns::bound_by_steps(double c, const FitScale& scale, Reach& reach) {
   found_.clear();
   walls_.clear();
+  if (steepest_ <= WallTest(scale).weak) return;
   steps_.find({s_, w_}, 0, static_cast<std::uint32_t>(s_.size()), scale, found_, walls_);
   for (const WallRun& wall : walls_) {
     if (!wall.step) continue;

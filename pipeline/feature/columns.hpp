@@ -76,6 +76,7 @@ private:
   std::int64_t first_ = 0, next_ = 0;  // rows held
   std::vector<double> before_, after_; // weights of rows in slopes
   std::vector<double> s_, w_;          // one column
+  double steepest_ = 0.0;              // mm: its largest step from row to row
   StepFinder steps_;
   std::vector<FeaturePoint> found_;
   std::vector<WallRun> walls_;

@@ -42,53 +42,62 @@ struct Side {
   void add(Sums& sums, std::uint32_t i, double sign) const noexcept { sums.add(u(i), v(i), sign); }
 };
 
-// Whether what lies between the edge and a flank runs straight up to it, and does not round into it: a broken line against an
-// arc that leaves the flank smoothly, both with the best place to leave it.
-bool is_chamfer(const Side& outside, const Flank& flank, double sigma) noexcept {
+// A broken line against an arc that leaves the flank smoothly, both with the best place to leave it.
+bool is_hinged(const Side& outside, const Flank& flank, double sigma) noexcept {
   constexpr double kClearly = 2.0; // twice the least log likelihood
   // The sample at the edge itself tells most.
   const Side side{outside.h, outside.left ? outside.from + 1 : outside.from - 1, outside.left, outside.count + 1};
   const std::uint32_t gap = flank.gap + 1;
-  const double norm = 1.0 / std::hypot(1.0, flank.slope);
+  const double norm = 1.0 / std::sqrt(1.0 + flank.slope * flank.slope);
   const std::uint32_t last = std::min(side.count - 1, gap + kBeyond);
-  // In the frame of the flank: places along it from the edge, distances from it.
-  const auto along = [&](std::uint32_t i) { return norm * (side.u(i) + flank.slope * side.v(i)); };
-  const auto off = [&](std::uint32_t i) { return norm * (side.v(i) + side.w0() - flank.at(side.u(i) + side.s0())); };
-  double best_line = std::numeric_limits<double>::infinity(), best_arc = best_line;
-  for (std::uint32_t leave = gap > kBeyond ? gap - kBeyond : 1; leave <= last; ++leave) {
-    const double from = along(leave);
-    double vv = 0.0, xv = 0.0, xx = 0.0, yv = 0.0, yy = 0.0;
-    for (std::uint32_t i = 0; i <= last; ++i) {
-      const double v = off(i);
-      vv += v * v;
-      if (i >= leave) continue;
-      const double x = along(i) - from, y = x * x;
-      xv += x * v;
-      xx += x * x;
-      yv += y * v;
-      yy += y * y;
+  const std::uint32_t earliest = gap > kBeyond ? gap - kBeyond : 1;
+  const double slope = flank.slope, height = side.w0() - flank.at(side.s0());
+  // In the frame of the flank: x along it from the edge, v off it. Sums over what lies before the place to leave.
+  double n = 0.0, x1 = 0.0, x2 = 0.0, x3 = 0.0, x4 = 0.0, v1 = 0.0, xv = 0.0, xxv = 0.0;
+  double line = 0.0, arc = 0.0; // most that a fit takes off the sum of squares
+  for (std::uint32_t i = 0; i <= last; ++i) {
+    const double x = norm * (side.u(i) + slope * side.v(i)), xx = x * x;
+    if (i >= earliest) {
+      const double about2 = x2 - x * (2.0 * x1 - x * n);
+      const double about4 = x4 - x * (4.0 * x3 - x * (6.0 * x2 - x * (4.0 * x1 - x * n)));
+      const double once = xv - x * v1, twice = xxv - x * (2.0 * xv - x * v1);
+      if (about2 > 0.0) line = std::max(line, once * once / about2);
+      if (about4 > 0.0) arc = std::max(arc, twice * twice / about4);
     }
-    if (xx > 0.0) best_line = std::min(best_line, vv - xv * xv / xx);
-    if (yy > 0.0) best_arc = std::min(best_arc, vv - yv * yv / yy);
+    const double v = norm * (side.v(i) + height - slope * side.u(i));
+    n += 1.0;
+    x1 += x;
+    x2 += xx;
+    x3 += xx * x;
+    x4 += xx * xx;
+    v1 += v;
+    xv += x * v;
+    xxv += xx * v;
   }
-  return best_line + kClearly * sigma * sigma < best_arc;
+  return line - arc > kClearly * sigma * sigma;
+}
+
+// Whether the direction of slope `a` is more than the angle of this tangent above that of slope `b`.
+bool is_above(double a, double b, double tangent) noexcept {
+  const double scale = 1.0 + a * b;
+  return a > b && (scale <= 0.0 || a - b > tangent * scale);
 }
 
 // A rounding turns one way until it meets its flank: what turns back lies beyond.
 class TurningBack {
 public:
   [[nodiscard]] bool turns_back(double slope) noexcept {
-    const double angle = std::atan(slope);
-    if (!any_) first_ = low_ = high_ = angle;
+    if (!any_) first_ = low_ = high_ = slope;
     any_ = true;
-    low_ = std::min(low_, angle);
-    high_ = std::max(high_, angle);
-    return (high_ - first_ > kMove && high_ - angle > kBack) || (first_ - low_ > kMove && angle - low_ > kBack);
+    low_ = std::min(low_, slope);
+    high_ = std::max(high_, slope);
+    return (is_above(high_, slope, kBack) && is_above(high_, first_, kMove)) ||
+           (is_above(slope, low_, kBack) && is_above(first_, low_, kMove));
   }
 
 private:
-  static constexpr double kMove = 0.07, kBack = 0.26; // 4 and 15 degrees
-  double first_ = 0.0, low_ = 0.0, high_ = 0.0;
+  static constexpr double kMove = 0.0701, kBack = 0.266; // tangents of 4 and 15 degrees
+  double first_ = 0.0, low_ = 0.0, high_ = 0.0;          // slopes
   bool any_ = false;
 };
 
@@ -96,37 +105,50 @@ private:
 class Stretch {
 public:
   Stretch(const Side& side, std::uint32_t gap, std::uint32_t size, double sigma)
-      : side_(side), size_(size), gap_(gap), n_(size) {
+      : side_(side), size_(size), gap_(gap), n_(size), share_(1.0 / n_) {
     for (std::uint32_t i = gap; i < gap + size; ++i) side_.add(sums_, i, 1.0);
     // Residuals of a straight flank stay below this with a chance of about one in a thousand.
-    limit_ = sigma * sigma * (1.0 + 3.1 * std::sqrt(2.0 / std::max(1.0, n_ - 2.0)));
+    limit_ = sigma * sigma * (n_ - 2.0 + 3.1 * std::sqrt(2.0 * std::max(1.0, n_ - 2.0)));
+    measure();
   }
   [[nodiscard]] bool fits() const noexcept { return gap_ + size_ <= side_.count; }
   void move() noexcept {
     side_.add(sums_, gap_, -1.0);
-    if (++gap_ + size_ <= side_.count) side_.add(sums_, gap_ + size_ - 1, 1.0);
+    if (++gap_ + size_ > side_.count) return;
+    side_.add(sums_, gap_ + size_ - 1, 1.0);
+    measure();
   }
-  // `error`: its variance.
-  [[nodiscard]] Flank flank(double& error) const noexcept {
-    const double mu = sums_.u / n_, mv = sums_.v / n_;
-    const double uu = sums_.uu - mu * sums_.u, uv = sums_.uv - mu * sums_.v, vv = sums_.vv - mv * sums_.v;
-    const double slope = size_ >= 3 && uu > 0.0 ? uv / uu : 0.0;
-    error = size_ >= 3 ? std::max(0.0, vv - slope * uv) / (n_ - 2.0) : 0.0;
-    return {side_.s0() + mu, side_.w0() + mv, slope, side_.length(gap_, gap_ + size_ - 1), size_, gap_, error <= limit_};
+  [[nodiscard]] double slope() const noexcept { return slope_; }
+  [[nodiscard]] double error() const noexcept { return error_; } // sum of squares
+  [[nodiscard]] bool straight() const noexcept { return error_ <= limit_; }
+  [[nodiscard]] Flank flank() const noexcept {
+    return {side_.s0() + share_ * sums_.u,
+            side_.w0() + share_ * sums_.v,
+            slope_,
+            side_.length(gap_, gap_ + size_ - 1),
+            size_,
+            gap_,
+            straight()};
   }
 
 private:
+  void measure() noexcept {
+    if (size_ < 3) return;
+    const double uu = sums_.uu - share_ * sums_.u * sums_.u, uv = sums_.uv - share_ * sums_.u * sums_.v;
+    slope_ = uu > 0.0 ? uv / uu : 0.0;
+    error_ = std::max(0.0, sums_.vv - share_ * sums_.v * sums_.v - slope_ * uv);
+  }
+
   const Side& side_;
   std::uint32_t size_, gap_;
-  double n_, limit_;
+  double n_, share_, limit_, slope_ = 0.0, error_ = 0.0;
   Sums sums_;
 };
 
 // The smallest radius that a stretch of this length and noise can have without showing it.
 double least_radius(const Flank& flank, double sigma) noexcept {
-  const double cosine = 1.0 / std::hypot(1.0, flank.slope);
-  const double length = flank.length / cosine;
-  return length * length / (16.0 * sigma * cosine);
+  const double stretch = 1.0 + flank.slope * flank.slope;
+  return flank.length * flank.length * stretch * std::sqrt(stretch) / (16.0 * sigma);
 }
 
 // The first stretch that is straight and long enough to tell: of `size` samples, or of `few` where they are far apart. Else the
@@ -136,19 +158,18 @@ Flank first_straight(const Side& side, std::uint32_t few, std::uint32_t size, st
   Stretch low(side, 0, few, sigma), high(side, 0, std::min(size, side.count), sigma);
   Flank best;
   TurningBack passed;
-  double best_error = std::numeric_limits<double>::infinity(), error = 0.0;
+  double best_error = std::numeric_limits<double>::infinity();
   for (std::uint32_t gap = 0; gap <= most_gap && low.fits(); ++gap) {
-    const Flank flank = low.flank(error);
-    if (flank.straight && least_radius(flank, sigma) >= radius) return flank;
-    if (!best.straight && (flank.straight || error < best_error)) {
-      best = flank;
-      best_error = error;
+    if (low.straight()) {
+      const Flank flank = low.flank();
+      if (least_radius(flank, sigma) >= radius) return flank;
+      if (!best.straight) best = flank;
+    } else if (!best.straight && low.error() < best_error) {
+      best = low.flank();
+      best_error = low.error();
     }
-    if (size > few && high.fits()) {
-      const Flank longer = high.flank(error);
-      if (longer.straight) return longer;
-    }
-    if (passed.turns_back(flank.slope)) break;
+    if (size > few && high.fits() && high.straight()) return high.flank();
+    if (passed.turns_back(low.slope())) break;
     low.move();
     high.move();
   }
@@ -160,12 +181,18 @@ Flank longer_stretch(const Side& side, const Flank& flank, double sigma) noexcep
   const std::uint32_t size = 2 * flank.samples;
   if (flank.gap + size > side.count) return flank;
   Stretch stretch(side, flank.gap, size, sigma);
-  for (std::uint32_t gap = flank.gap; gap <= flank.gap + flank.samples && stretch.fits(); ++gap, stretch.move()) {
-    double error = 0.0;
-    const Flank longer = stretch.flank(error);
-    if (longer.straight) return longer;
-  }
+  for (std::uint32_t gap = flank.gap; gap <= flank.gap + flank.samples && stretch.fits(); ++gap, stretch.move())
+    if (stretch.straight()) return stretch.flank();
   return flank;
+}
+
+Side side_of(const Heights& h, std::uint32_t from, std::uint32_t to) noexcept {
+  const bool left = to < from;
+  return {h, from, left, (left ? from - to : to - from) + 1};
+}
+
+double sigma_of(const FitScale& scale) noexcept {
+  return scale.noise + 0.0005;
 }
 
 } // namespace
@@ -174,10 +201,9 @@ Flank find_flank(const Heights& h, std::uint32_t from, std::uint32_t to, std::ui
                  const FitScale& scale) {
   constexpr std::uint32_t kFewest = 4;
   constexpr double kFlatter = 3.0; // radius of what is taken for straight against that of the largest rounding
-  const bool left = to < from;
-  const Side side{h, from, left, (left ? from - to : to - from) + 1};
+  const Side side = side_of(h, from, to);
   const std::uint32_t size = std::min(window, side.count);
-  const double sigma = scale.noise + 0.0005;
+  const double sigma = sigma_of(scale);
   const double radius = kFlatter * scale.arc_radius;
   if (most_gap == 0) return first_straight(side, size, size, 0, radius, sigma);
   // The end of a rounding is straight over a short stretch.
@@ -188,8 +214,11 @@ Flank find_flank(const Heights& h, std::uint32_t from, std::uint32_t to, std::ui
   if (best.straight && best.gap > 0) best = longer_stretch(side, best, sigma);
   constexpr double kSmallRounding = 0.35; // mm
   best.rounded = best.straight && best.gap > 0 && (best.gap >= kLeastGap || best.gap * scale.pitch <= kSmallRounding);
-  if (best.gap >= kLeastGap) best.chamfered = is_chamfer(side, best, sigma);
   return best;
+}
+
+bool is_chamfered(const Heights& h, std::uint32_t from, std::uint32_t to, const Flank& flank, const FitScale& scale) {
+  return flank.gap >= kLeastGap && is_hinged(side_of(h, from, to), flank, sigma_of(scale));
 }
 
 } // namespace scansion

@@ -14,10 +14,9 @@ struct Flank {
   double slope = 0.0;      ///< dw / ds
   double length = 0.0;     ///< mm along s
   std::uint32_t samples = 0;
-  std::uint32_t gap = 0;  ///< samples between the edge and the flank
-  bool straight = false;  ///< within the noise
-  bool rounded = false;   ///< the gap is a rounding
-  bool chamfered = false; ///< what lies between the edge and the flank is straight itself
+  std::uint32_t gap = 0; ///< samples between the edge and the flank
+  bool straight = false; ///< within the noise
+  bool rounded = false;  ///< the gap is a rounding
   [[nodiscard]] double at(double place) const noexcept { return w + slope * (place - s); }
 };
 
@@ -26,5 +25,9 @@ struct Flank {
 /// when there is none, or the straightest one. Without a gap: the `window` samples beside `from`.
 [[nodiscard]] Flank find_flank(const Heights& heights, std::uint32_t from, std::uint32_t to, std::uint32_t window,
                                std::uint32_t most_gap, const FitScale& scale);
+
+/// Whether what lies between the edge and a flank found from sample `from` towards `to` is straight itself.
+[[nodiscard]] bool is_chamfered(const Heights& heights, std::uint32_t from, std::uint32_t to, const Flank& flank,
+                                const FitScale& scale);
 
 } // namespace scansion

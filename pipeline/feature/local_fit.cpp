@@ -37,6 +37,24 @@ Moments operator+(const Moments& a, const Moments& b) noexcept {
           a.vv + b.vv, a.uuu + b.uuu, a.uuuu + b.uuuu, a.uuv + b.uuv};
 }
 
+Moments operator-(const Moments& a, const Moments& b) noexcept {
+  return {a.n - b.n,   a.u - b.u,     a.v - b.v,       a.uu - b.uu,  a.uv - b.uv,
+          a.vv - b.vv, a.uuu - b.uuu, a.uuuu - b.uuuu, a.uuv - b.uuv};
+}
+
+// Sum of squares of the best broken line with its corner at u0, from what lies left and right of it.
+double broken_error(const Moments& left, const Moments& right, double u0) noexcept {
+  const double n = left.n + right.n, v = left.v + right.v, vv = left.vv + right.vv;
+  const double a = left.u - u0 * left.n, b = right.u - u0 * right.n;
+  const double aa = left.uu - u0 * (left.u + a), bb = right.uu - u0 * (right.u + b);
+  const double av = left.uv - u0 * left.v, bv = right.uv - u0 * right.v;
+  const double fa = aa > 0.0 ? a / aa : 0.0, fb = bb > 0.0 ? b / bb : 0.0;
+  const double norm = n - a * fa - b * fb;
+  const double offset = norm > 1e-12 ? (v - fa * av - fb * bv) / norm : 0.0;
+  const double sa = aa > 0.0 ? (av - offset * a) / aa : 0.0, sb = bb > 0.0 ? (bv - offset * b) / bb : 0.0;
+  return std::max(0.0, vv - offset * v - sa * av - sb * bv);
+}
+
 struct Line {
   double u = 0.0, v = 0.0;         // a point of it
   double theta = 0.0;              // radians
@@ -83,29 +101,6 @@ Parabola fit_parabola(const Moments& m) noexcept {
   return p;
 }
 
-// Sum of squares of the best broken line with its corner at u0.
-double broken_error(const Heights& h, std::uint32_t l, std::uint32_t r, double s0, double w0) noexcept {
-  double n = 0.0, a = 0.0, b = 0.0, aa = 0.0, bb = 0.0, v = 0.0, av = 0.0, bv = 0.0, vv = 0.0;
-  for (std::uint32_t j = l; j <= r; ++j) {
-    const double u = h.s[j] - s0, y = h.w[j] - w0;
-    const double left = std::min(u, 0.0), right = std::max(u, 0.0);
-    n += 1.0;
-    a += left;
-    b += right;
-    aa += left * left;
-    bb += right * right;
-    v += y;
-    av += left * y;
-    bv += right * y;
-    vv += y * y;
-  }
-  const double fa = aa > 0.0 ? a / aa : 0.0, fb = bb > 0.0 ? b / bb : 0.0;
-  const double norm = n - a * fa - b * fb;
-  const double offset = norm > 1e-12 ? (v - fa * av - fb * bv) / norm : 0.0;
-  const double sa = aa > 0.0 ? (av - offset * a) / aa : 0.0, sb = bb > 0.0 ? (bv - offset * b) / bb : 0.0;
-  return std::max(0.0, vv - offset * v - sa * av - sb * bv);
-}
-
 // Collects moments a side as the window grows.
 class Window {
 public:
@@ -122,6 +117,7 @@ public:
   [[nodiscard]] Bend measure(std::uint32_t window, const FitScale& scale) const;
 
 private:
+  [[nodiscard]] double corner_error(double s) const noexcept;
   void add(Moments& side, std::uint32_t j) const noexcept { side.add(h_.s[j] - h_.s[k_], h_.w[j] - h_.w[k_]); }
   [[nodiscard]] Line side(const Moments& m, std::uint32_t neighbour) const noexcept {
     constexpr double kFewest = 3.0;
@@ -154,6 +150,19 @@ void Window::refine(Bend& bend, const Line& before, const Line& after, std::uint
   bend.w += v;
 }
 
+// Sum of squares of the best broken line with its corner at s.
+double Window::corner_error(double s) const noexcept {
+  Moments left = left_, right = right_, passed;
+  const double u0 = s - h_.s[k_];
+  (u0 > 0.0 ? left : right).n += 1.0; // sample k itself
+  for (std::uint32_t j = k_ + 1; j <= r_ && h_.s[j] < s; ++j) add(passed, j);
+  left = left + passed;
+  right = right - passed;
+  passed = {};
+  for (std::uint32_t j = k_; j-- > l_ && h_.s[j] > s;) add(passed, j);
+  return broken_error(left - passed, right + passed, u0);
+}
+
 Bend Window::measure(std::uint32_t window, const FitScale& scale) const {
   Bend bend;
   bend.window = window;
@@ -174,7 +183,7 @@ Bend Window::measure(std::uint32_t window, const FitScale& scale) const {
   const Parabola arc = fit_parabola(all);
   const double floor = scale.noise / 2.0 + 0.0005; // mm
   const double least = (all.n - 3.0) * floor * floor;
-  const double corner = broken_error(h_, l_, r_, bend.s, bend.w);
+  const double corner = corner_error(bend.s);
   bend.misfit = corner / std::max(1.0, all.n - 4.0) / (scale.noise * scale.noise + 2.5e-7);
   bend.sharpness = 0.5 * all.n * std::log(std::max(arc.error, least) / std::max(corner, least)) - 1.0;
   const double stretch = 1.0 + arc.slope * arc.slope;
@@ -197,13 +206,14 @@ bool reach_flanks(Bend& bend, const Heights& h, std::uint32_t k, std::uint32_t f
                   const FitScale& scale) {
   constexpr double kLargest = 1.6; // of the gap a fillet may have against the least
   constexpr double kSharpest = 12.0;
+  constexpr std::uint32_t kFewest = 4;
   const std::uint32_t window = std::clamp(bend.window, scale.least_window, 2 * scale.least_window);
   if (k - first < 4 || last - k < 4) return true;
   const auto most = static_cast<std::uint32_t>(std::min(400.0, std::ceil(kLargest * scale.arc_radius / scale.pitch)));
   const Flank l = find_flank(h, k - 1, first, window, most, scale);
+  if (!l.straight || l.samples < kFewest) return true;
   const Flank r = find_flank(h, k + 1, last, window, most, scale);
-  if (!(l.rounded || r.rounded) || !l.straight || !r.straight || l.samples < 4 || r.samples < 4) return true;
-  if (l.chamfered || r.chamfered) return true;
+  if (!r.straight || r.samples < kFewest || !(l.rounded || r.rounded)) return true;
   if (std::abs(l.slope - r.slope) < 1e-9) return true;
   const double u = ((r.w - r.slope * (r.s - bend.s)) - (l.w - l.slope * (l.s - bend.s))) / (l.slope - r.slope);
   const double s = bend.s + u;
@@ -213,6 +223,7 @@ bool reach_flanks(Bend& bend, const Heights& h, std::uint32_t k, std::uint32_t f
   const double before_angle = std::atan(l.slope) * kDegrees, after_angle = std::atan(r.slope) * kDegrees;
   const double tau = after_angle - before_angle;
   if ((tau < 0.0) != (bend.tau < 0.0) || std::abs(tau) < std::abs(bend.tau)) return true;
+  if (is_chamfered(h, k - 1, first, l, scale) || is_chamfered(h, k + 1, last, r, scale)) return true;
   // Tangent length over the tangent of half the turning: the radius.
   const double tangent =
       0.5 * (h.s[k + 1 + r.gap] - h.s[k - 1 - l.gap]) / std::max(0.1, std::cos(0.5 * (before_angle + after_angle) / kDegrees));
