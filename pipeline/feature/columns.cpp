@@ -24,8 +24,8 @@ Columns::Columns(const Sampling& sampling) : pitch_(sampling.pitch) {
   wanted_ = FitScale::wanted_window(sampling.noise, sampling.spacing);
   window_ = std::max(kNarrowest, (wanted_ + 2) / 3);
   reach_ = std::max(kReach * window_, kLeastReach);
-  const double rounding = FitScale::of(sampling.noise, sampling.spacing, sampling.coarse()).arc_radius / sampling.spacing;
-  flank_reach_ = std::max(reach_, std::min(kMostFlank, static_cast<std::size_t>(rounding) + wanted_));
+  const std::size_t rounding = FitScale::of(sampling.noise, sampling.spacing, sampling.coarse()).widest_gap();
+  flank_reach_ = std::max(reach_, std::min(kMostFlank, rounding + 2 * wanted_));
   ring_.resize(2 * lag() + 3);
 }
 
@@ -169,23 +169,20 @@ ColumnPoint Columns::column_point(std::int64_t r, std::size_t column, const Feat
 
 void Columns::measure_bend(std::int64_t r, std::size_t column, const Sampling& sampling, const FitScale& scale,
                            std::vector<ColumnPoint>& out) {
-  // The fit does not pass rows that bend half as much themselves, nor walls.
+  // The fit does not pass rows that bend half as much themselves, nor steps.
   const float own = std::abs(row(r).bend[column]);
   const auto reach = static_cast<std::int64_t>(reach_);
   const auto n = static_cast<std::int64_t>(window_);
   std::int64_t low = r, high = r;
-  const auto blocks = [&](std::int64_t k, std::int64_t neighbour) {
-    const double dw = std::abs(static_cast<double>(row(k).height[column]) - static_cast<double>(row(neighbour).height[column]));
-    return dw > std::max(8.0 * scale.noise, 0.09) && dw > 2.7474774 * std::abs(row(k).c - row(neighbour).c);
-  };
+  const WallTest test(scale);
   const auto peak = [&](std::int64_t k) {
     if (std::abs(k - r) <= n / 2 || !has(k - 1) || !has(k + 1)) return false;
     const float b = std::abs(row(k).bend[column]);
     return b >= 0.5F * own && b >= std::abs(row(k - 1).bend[column]) && b >= std::abs(row(k + 1).bend[column]);
   };
-  while (low - 1 >= std::max(first_, r - reach) && !blocks(low - 1, low))
+  while (low - 1 >= std::max(first_, r - reach) && !is_of_step(low - 1, column, test))
     if (peak(--low)) break;
-  while (high + 1 <= std::min(next_ - 1, r + reach) && !blocks(high + 1, high))
+  while (high + 1 <= std::min(next_ - 1, r + reach) && !is_of_step(high, column, test))
     if (peak(++high)) break;
   if (r - low < 2 || high - r < 2) return;
   copy_column(r, column, static_cast<std::int64_t>(flank_reach_));
@@ -225,23 +222,40 @@ bool Columns::is_part_of_step(double c, const FitScale& scale) const {
   });
 }
 
+// Rise from row r to the next one; not a number: one of them has no height there.
+double Columns::rise(std::int64_t r, std::size_t column) const {
+  if (!has(r) || !has(r + 1)) return std::numeric_limits<double>::quiet_NaN();
+  return static_cast<double>(row(r + 1).height[column]) - static_cast<double>(row(r).height[column]);
+}
+
+// Whether a wall that rises or falls goes on from row r to the next one.
+bool Columns::grows(std::int64_t r, std::size_t column, bool rising, const WallTest& test) const {
+  return has(r) && has(r + 1) && test.grows(row(r + 1).c - row(r).c, rise(r, column), rising);
+}
+
 // Whether the interval from row r to the next one is the first of a wall short enough to be a step.
 bool Columns::starts_step(std::int64_t r, std::size_t column, const WallTest& test) const {
-  const auto dw = [&](std::int64_t k) {
-    if (!has(k) || !has(k + 1)) return std::numeric_limits<double>::quiet_NaN();
-    return static_cast<double>(row(k + 1).height[column]) - static_cast<double>(row(k).height[column]);
-  };
-  const auto ds = [&](std::int64_t k) { return row(k + 1).c - row(k).c; };
-  const bool rising = dw(r) > 0.0;
-  const auto grows = [&](std::int64_t k) { return has(k) && has(k + 1) && test.grows(ds(k), dw(k), rising); };
-  if (grows(r - 1)) return false;
+  const bool rising = rise(r, column) > 0.0;
+  if (grows(r - 1, column, rising, test)) return false;
   bool seeded = false;
   std::int64_t k = r;
   do {
-    seeded = seeded || test.seeds(ds(k), dw(k), dw(k - 1), dw(k + 1));
+    seeded = seeded ||
+             test.seeds(row(k + 1).c - row(k).c, rise(k, column), rise(k - 1, column), rise(k + 1, column));
     ++k;
-  } while (grows(k) && k - r <= static_cast<std::int64_t>(kMostIntervals));
+  } while (grows(k, column, rising, test) && k - r <= static_cast<std::int64_t>(kMostIntervals));
   return seeded && k - r <= static_cast<std::int64_t>(kMostIntervals);
+}
+
+// Whether the interval from row r to the next one is a steep one of a wall short enough to be a step.
+bool Columns::is_of_step(std::int64_t r, std::size_t column, const WallTest& test) const {
+  const double dw = rise(r, column);
+  if (!(std::abs(dw) > test.strong && std::abs(dw) > WallTest::kSlope * (row(r + 1).c - row(r).c))) return false;
+  std::int64_t low = r, high = r + 1;
+  const auto few = [&] { return high - low <= static_cast<std::int64_t>(kMostIntervals); };
+  while (few() && grows(low - 1, column, dw > 0.0, test)) --low;
+  while (few() && grows(high, column, dw > 0.0, test)) ++high;
+  return few();
 }
 
 // The step whose wall starts between row r and the next one.

@@ -21,7 +21,7 @@ struct Sums {
   }
 };
 
-constexpr double kTelling = 53.0; // a straight stretch of the root of this times radius and noise is no arc: off by two sigma
+constexpr double kTelling = 53.0; // a straight stretch of the root of this times radius and noise is no arc, though cut aslant
 constexpr std::uint32_t kBeyond = 3; // samples by which the end of a rounding may be missed
 
 // The samples from an edge outwards.

@@ -204,12 +204,11 @@ double arc_error(const Heights& h, std::uint32_t l, std::uint32_t r) noexcept {
 // rounds so widely that there is no edge.
 bool reach_flanks(Bend& bend, const Heights& h, std::uint32_t k, std::uint32_t first, std::uint32_t last,
                   const FitScale& scale) {
-  constexpr double kLargest = 1.6; // of the gap a fillet may have against the least
   constexpr double kSharpest = 12.0;
   constexpr std::uint32_t kFewest = 4;
   const std::uint32_t window = std::clamp(bend.window, scale.least_window, 2 * scale.least_window);
   if (k - first < 4 || last - k < 4) return true;
-  const auto most = static_cast<std::uint32_t>(std::min(400.0, std::ceil(kLargest * scale.arc_radius / scale.pitch)));
+  const std::uint32_t most = scale.widest_gap();
   const Flank l = find_flank(h, k - 1, first, window, most, scale);
   if (!l.straight || l.samples < kFewest) return true;
   const Flank r = find_flank(h, k + 1, last, window, most, scale);
@@ -261,6 +260,11 @@ FitScale FitScale::of(double noise, double pitch, double coarse) noexcept {
   scale.least_window = std::max(5U, wanted_window(noise, pitch));
   scale.arc_radius = std::max(3.0, 6.0 * coarse);
   return scale;
+}
+
+std::uint32_t FitScale::widest_gap() const noexcept {
+  constexpr double kAslant = 1.6; // a section aslant shows roundings wider than they are
+  return static_cast<std::uint32_t>(std::min(400.0, std::ceil(kAslant * arc_radius / pitch)));
 }
 
 Bend fit_bend(const Heights& heights, std::uint32_t k, std::uint32_t before, std::uint32_t after, std::uint32_t window,

@@ -38,6 +38,8 @@ struct FitScale {
 
   /// Samples a side for a slope within 1.5 degrees, at most 24.
   static std::uint32_t wanted_window(double noise, double pitch) noexcept;
+  /// Samples from an edge to the flank beyond the widest rounding.
+  [[nodiscard]] std::uint32_t widest_gap() const noexcept;
   static FitScale of(double noise, double pitch, double coarse) noexcept;
 };
 

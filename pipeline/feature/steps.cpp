@@ -72,7 +72,7 @@ void StepFinder::find_walls(const Heights& h, std::uint32_t begin, std::uint32_t
 void StepFinder::measure(const Heights& h, WallRun& wall, std::uint32_t low, std::uint32_t high, const FitScale& scale,
                          std::vector<FeaturePoint>& out) const {
   const std::uint32_t n = scale.least_window;
-  const auto most = static_cast<std::uint32_t>(std::min(400.0, std::ceil(scale.arc_radius / scale.pitch)));
+  const std::uint32_t most = scale.widest_gap();
   // Plateaus leave out the ends of the wall, and what rounds its edges.
   const auto plateau = [&](std::uint32_t end, std::uint32_t limit) {
     if (end == limit) return Flank{h.s[end], h.w[end], 0.0, 0.0, 0, 0, false};
