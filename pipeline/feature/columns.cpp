@@ -233,29 +233,39 @@ bool Columns::grows(std::int64_t r, std::size_t column, bool rising, const WallT
   return has(r) && has(r + 1) && test.grows(row(r + 1).c - row(r).c, rise(r, column), rising);
 }
 
-// Whether the interval from row r to the next one is the first of a wall short enough to be a step.
+// Whether a wall that seeds itself between rows low and high is a step, and no slope with samples enough.
+bool Columns::is_step(std::int64_t low, std::int64_t high, std::size_t column, const WallTest& test) const {
+  if (high - low <= static_cast<std::int64_t>(kMostIntervals)) return true;
+  if (high - low > static_cast<std::int64_t>(kMostRounded)) return false;
+  std::int64_t steepest = low;
+  for (std::int64_t k = low + 1; k < high; ++k)
+    if (std::abs(rise(k, column)) > std::abs(rise(steepest, column))) steepest = k;
+  return test.is_upright(row(steepest + 1).c - row(steepest).c, rise(steepest, column), rise(steepest - 1, column),
+                         rise(steepest + 1, column));
+}
+
+// Whether the interval from row r to the next one is the first of a wall that is a step.
 bool Columns::starts_step(std::int64_t r, std::size_t column, const WallTest& test) const {
   const bool rising = rise(r, column) > 0.0;
   if (grows(r - 1, column, rising, test)) return false;
   bool seeded = false;
   std::int64_t k = r;
   do {
-    seeded = seeded ||
-             test.seeds(row(k + 1).c - row(k).c, rise(k, column), rise(k - 1, column), rise(k + 1, column));
+    seeded = seeded || test.seeds(row(k + 1).c - row(k).c, rise(k, column), rise(k - 1, column), rise(k + 1, column));
     ++k;
-  } while (grows(k, column, rising, test) && k - r <= static_cast<std::int64_t>(kMostIntervals));
-  return seeded && k - r <= static_cast<std::int64_t>(kMostIntervals);
+  } while (grows(k, column, rising, test) && k - r <= static_cast<std::int64_t>(kMostRounded));
+  return seeded && is_step(r, k, column, test);
 }
 
-// Whether the interval from row r to the next one is a steep one of a wall short enough to be a step.
+// Whether the interval from row r to the next one is a steep one of a wall that is a step.
 bool Columns::is_of_step(std::int64_t r, std::size_t column, const WallTest& test) const {
   const double dw = rise(r, column);
   if (!(std::abs(dw) > test.strong && std::abs(dw) > WallTest::kSlope * (row(r + 1).c - row(r).c))) return false;
   std::int64_t low = r, high = r + 1;
-  const auto few = [&] { return high - low <= static_cast<std::int64_t>(kMostIntervals); };
+  const auto few = [&] { return high - low <= static_cast<std::int64_t>(kMostRounded); };
   while (few() && grows(low - 1, column, dw > 0.0, test)) --low;
   while (few() && grows(high, column, dw > 0.0, test)) ++high;
-  return few();
+  return is_step(low, high, column, test);
 }
 
 // The step whose wall starts between row r and the next one.

@@ -62,6 +62,7 @@ private:
   [[nodiscard]] bool is_part_of_step(double c, const FitScale& scale) const;
   [[nodiscard]] double rise(std::int64_t r, std::size_t column) const;
   [[nodiscard]] bool grows(std::int64_t r, std::size_t column, bool rising, const WallTest& test) const;
+  [[nodiscard]] bool is_step(std::int64_t low, std::int64_t high, std::size_t column, const WallTest& test) const;
   [[nodiscard]] bool is_of_step(std::int64_t r, std::size_t column, const WallTest& test) const;
   [[nodiscard]] bool starts_step(std::int64_t r, std::size_t column, const WallTest& test) const;
   void measure_step(std::int64_t r, std::size_t column, const FitScale& scale, std::vector<ColumnPoint>& out);

@@ -16,13 +16,16 @@ namespace {
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr std::uint32_t kLineEnd = 3; // samples at the end of a run that show no feature
 
-constexpr double kUpright = 0.6; // of its height: a wall that falls this far within one interval stands in it
-
 std::uint32_t steepest_interval(const Heights& h, std::uint32_t first, std::uint32_t last) noexcept {
   std::uint32_t best = first;
   for (std::uint32_t k = first + 1; k < last; ++k)
     if (std::abs(h.w[k + 1] - h.w[k]) > std::abs(h.w[best + 1] - h.w[best])) best = k;
   return best;
+}
+
+bool is_upright(const Heights& h, std::uint32_t k, const WallTest& test) noexcept {
+  const auto dw = [&](std::uint32_t i) { return i + 1 < h.size() ? h.w[i + 1] - h.w[i] : 0.0; };
+  return test.is_upright(h.s[k + 1] - h.s[k], dw(k), k > 0 ? dw(k - 1) : 0.0, dw(k + 1));
 }
 
 // The slope of the wall itself.
@@ -69,6 +72,13 @@ void StepFinder::find_walls(const Heights& h, std::uint32_t begin, std::uint32_t
   }
 }
 
+// Few samples on the wall, or none where it stands upright between its roundings.
+bool StepFinder::is_step(const Heights& h, const WallRun& wall, const FitScale& scale) {
+  const std::uint32_t intervals = wall.last - wall.first;
+  return intervals <= kMostIntervals ||
+         (intervals <= kMostRounded && is_upright(h, steepest_interval(h, wall.first, wall.last), WallTest(scale)));
+}
+
 void StepFinder::measure(const Heights& h, WallRun& wall, std::uint32_t low, std::uint32_t high, const FitScale& scale,
                          std::vector<FeaturePoint>& out) const {
   const std::uint32_t n = scale.least_window;
@@ -94,7 +104,7 @@ void StepFinder::measure(const Heights& h, WallRun& wall, std::uint32_t low, std
   double slope = std::copysign(1e3, after.at(middle) - before.at(middle));
   const std::uint32_t steepest = steepest_interval(h, wall.first, wall.last);
   bool upright = b < a + 2;
-  if (std::abs(h.w[steepest + 1] - h.w[steepest]) > kUpright * height && b < a + 4 && before.gap + after.gap > 0) {
+  if (is_upright(h, steepest, WallTest(scale)) && before.gap + after.gap > 0) {
     upright = true;
     s_before = s_after = 0.5 * (h.s[steepest] + h.s[steepest + 1]);
   } else if (b >= a + 2) {
@@ -146,7 +156,8 @@ void StepFinder::find(const Heights& heights, std::uint32_t begin, std::uint32_t
   find_walls(heights, begin, end, scale, walls);
   for (std::size_t i = known; i < walls.size(); ++i) {
     WallRun& wall = walls[i];
-    if (wall.last - wall.first > kMostIntervals || (only && wall.first != *only)) continue;
+    if (only && wall.first != *only) continue;
+    if (!is_step(heights, wall, scale)) continue;
     if (wall.first < begin + kLineEnd || wall.last + kLineEnd >= end) continue;
     const std::uint32_t low = i > known ? walls[i - 1].last + 1 : begin;
     const std::uint32_t high = i + 1 < walls.size() ? walls[i + 1].first - 1 : end - 1;

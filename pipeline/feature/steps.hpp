@@ -30,6 +30,12 @@ struct WallTest {
     if (size > kSlope * ds && size > strong) return true;
     return size > 0.5 * ds && !(std::abs(before) >= 0.35 * size) && !(std::abs(after) >= 0.35 * size);
   }
+  /// Whether a wall is upright within this interval: its neighbours' differences show no slope that would go on.
+  [[nodiscard]] bool is_upright(double ds, double dw, double before, double after) const noexcept {
+    constexpr double kSteeper = 1.6, kTan75 = 3.7320508075689;
+    const double size = std::abs(dw);
+    return size > strong && size > kTan75 * ds && !(kSteeper * std::abs(before) >= size) && !(kSteeper * std::abs(after) >= size);
+  }
   /// Whether an interval belongs to a wall beside it.
   [[nodiscard]] bool grows(double ds, double dw, bool rising) const noexcept {
     const double size = rising ? dw : -dw;
@@ -37,6 +43,7 @@ struct WallTest {
   }
 };
 inline constexpr std::uint32_t kMostIntervals = 6; ///< of a step: a longer wall is sampled well enough to be ranked
+inline constexpr std::uint32_t kMostRounded = 40;  ///< intervals of a step whose wall is upright between roundings
 
 /// Thread-bound: holds scratch.
 class StepFinder {
@@ -49,6 +56,7 @@ public:
 private:
   void find_walls(const Heights& h, std::uint32_t begin, std::uint32_t end, const FitScale& scale,
                   std::vector<WallRun>& walls) const;
+  [[nodiscard]] static bool is_step(const Heights& h, const WallRun& wall, const FitScale& scale);
   void measure(const Heights& h, WallRun& wall, std::uint32_t low, std::uint32_t high, const FitScale& scale,
                std::vector<FeaturePoint>& out) const;
 };
