@@ -218,7 +218,7 @@ Flank find_flank(const Heights& h, std::uint32_t from, std::uint32_t to, std::ui
 }
 
 bool is_chamfered(const Heights& h, std::uint32_t from, std::uint32_t to, const Flank& flank, const FitScale& scale) {
-  return flank.gap >= kLeastGap && is_hinged(side_of(h, from, to), flank, sigma_of(scale));
+  return flank.gap + 1 >= kLeastGap && is_hinged(side_of(h, from, to), flank, sigma_of(scale));
 }
 
 } // namespace scansion

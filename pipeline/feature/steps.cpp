@@ -89,7 +89,7 @@ void StepFinder::measure(const Heights& h, WallRun& wall, std::uint32_t low, std
     const std::uint32_t from = limit < end ? end - 1 : end + 1;
     Flank flank = find_flank(h, from, limit, n, most, scale);
     if (is_chamfered(h, from, limit, flank, scale)) return find_flank(h, from, limit, std::min(n, flank.gap), 0, scale);
-    return flank.rounded || flank.gap == 0 ? flank : find_flank(h, from, limit, n, 0, scale);
+    return flank.straight || flank.gap == 0 ? flank : find_flank(h, from, limit, n, 0, scale);
   };
   const Flank before = plateau(wall.first, low), after = plateau(wall.last, high);
   const double middle = 0.5 * (h.s[wall.first] + h.s[wall.last]);

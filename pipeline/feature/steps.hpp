@@ -34,7 +34,8 @@ struct WallTest {
   [[nodiscard]] bool is_upright(double ds, double dw, double before, double after) const noexcept {
     constexpr double kSteeper = 1.6, kTan75 = 3.7320508075689;
     const double size = std::abs(dw);
-    return size > strong && size > kTan75 * ds && !(kSteeper * std::abs(before) >= size) && !(kSteeper * std::abs(after) >= size);
+    return size > strong && size > kTan75 * ds && !(kSteeper * std::abs(before) >= size) &&
+           !(kSteeper * std::abs(after) >= size);
   }
   /// Whether an interval belongs to a wall beside it.
   [[nodiscard]] bool grows(double ds, double dw, bool rising) const noexcept {
