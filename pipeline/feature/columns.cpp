@@ -195,7 +195,7 @@ void Columns::measure_bend(std::int64_t r, std::size_t column, const Sampling& s
   if (k < bounds.before + 2 || k + 2 > bounds.after) return;
   bound_by_steps(row(r).c, scale, bounds);
   const auto bend = find_bend({s_, w_}, k, bounds, scale);
-  if (!bend || is_part_of_step(bend->s, scale)) return;
+  if (!bend || is_part_of_step(*bend, scale)) return;
   ColumnPoint point = column_point(r, column, make_point(*bend, 0, scale));
   point.feature.width = std::log2(std::max(1.0, std::abs(static_cast<double>(own)) * static_cast<double>(window_) *
                                                     sampling.spacing / 4.0 / least_distance(scale.noise)));
@@ -215,11 +215,15 @@ void Columns::bound_by_steps(double c, const FitScale& scale, Reach& reach) {
   }
 }
 
-// Whether place c of the column in s_, w_ lies within a step, or in what rounds its edges.
-bool Columns::is_part_of_step(double c, const FitScale& scale) const {
-  return std::any_of(walls_.begin(), walls_.end(), [&](const WallRun& wall) {
-    return wall.step && c >= s_[wall.low] - scale.pitch && c <= s_[wall.high] + scale.pitch;
+// Whether a bend of the column in s_, w_ lies within a step, or in what rounds its edges.
+bool Columns::is_part_of_step(const Bend& bend, const FitScale& scale) const {
+  const bool within = std::any_of(walls_.begin(), walls_.end(), [&](const WallRun& wall) {
+    return wall.step && bend.s >= s_[wall.low] - scale.pitch && bend.s <= s_[wall.high] + scale.pitch;
   });
+  return within || std::any_of(found_.begin(), found_.end(), [&](const FeaturePoint& edge) {
+           return (bend.tau < 0.0) == edge.convex() && std::abs(bend.s - edge.s) <= edge.window * scale.pitch &&
+                  is_part(bend.tau, bend.window, edge);
+         });
 }
 
 // Rise from row r to the next one; not a number: one of them has no height there.

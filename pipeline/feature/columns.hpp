@@ -59,7 +59,7 @@ private:
   void measure_bend(std::int64_t r, std::size_t column, const Sampling& sampling, const FitScale& scale,
                     std::vector<ColumnPoint>& out);
   void bound_by_steps(double c, const FitScale& scale, Reach& reach);
-  [[nodiscard]] bool is_part_of_step(double c, const FitScale& scale) const;
+  [[nodiscard]] bool is_part_of_step(const Bend& bend, const FitScale& scale) const;
   [[nodiscard]] double rise(std::int64_t r, std::size_t column) const;
   [[nodiscard]] bool grows(std::int64_t r, std::size_t column, bool rising, const WallTest& test) const;
   [[nodiscard]] bool is_step(std::int64_t low, std::int64_t high, std::size_t column, const WallTest& test) const;

@@ -42,6 +42,12 @@ FeaturePoint make_point(const Bend& bend, std::uint32_t k, const FitScale& scale
   return p;
 }
 
+bool is_part(double tau, std::uint32_t window, const FeaturePoint& coarse) noexcept {
+  constexpr double kWeaker = 1.4, kWeakerThanStep = 2.5;
+  if (coarse.step) return std::abs(tau) * kWeakerThanStep < std::abs(coarse.tau);
+  return window < coarse.window && std::abs(tau) * kWeaker < std::abs(coarse.tau);
+}
+
 void Detector::add_vertex(const Profile& profile, const Vertex& vertex, std::uint32_t first, std::uint32_t last,
                           const Sampling& sampling, const FitScale& scale, double least) {
   constexpr double kSlope = 14.0, kTotal = 42.0; // degrees: of a smooth crest
@@ -80,19 +86,17 @@ void Detector::add_vertex(const Profile& profile, const Vertex& vertex, std::uin
 
 // A weaker bend within the window of a coarser one of its polarity is part of that one.
 void Detector::drop_parts(const Sampling& sampling) {
-  constexpr double kWeaker = 1.4;
   constexpr double kBeside = 2.0; // pitches: one edge, found twice
   dropped_.assign(found_.size(), false);
   for (std::size_t i = 0; i < found_.size(); ++i) {
     const FeaturePoint& coarse = found_[i];
-    if (coarse.step || coarse.window == 0) continue;
+    if (coarse.window == 0) continue;
     const double reach = coarse.window * sampling.pitch;
     const auto check = [&](std::size_t j) {
       const FeaturePoint& fine = found_[j];
       if (fine.step || fine.convex() != coarse.convex()) return;
       const bool beside = std::abs(fine.s - coarse.s) <= kBeside * sampling.pitch && std::abs(fine.tau) < std::abs(coarse.tau);
-      const bool part = fine.window < coarse.window && std::abs(fine.tau) * kWeaker < std::abs(coarse.tau);
-      if (beside || part) dropped_[j] = true;
+      if ((beside && !coarse.step) || is_part(fine.tau, fine.window, coarse)) dropped_[j] = true;
     };
     for (std::size_t j = i; j-- > 0 && coarse.s - found_[j].s <= reach;) check(j);
     for (std::size_t j = i + 1; j < found_.size() && found_[j].s - coarse.s <= reach; ++j) check(j);

@@ -27,6 +27,9 @@ private:
   std::vector<bool> dropped_;
 };
 
+/// Whether a bend of the same polarity beside a coarser one, measured over this window, belongs to it: the end of its rounding.
+[[nodiscard]] bool is_part(double tau, std::uint32_t window, const FeaturePoint& coarse) noexcept;
+
 /// The least D of the working set (d_n of the octaves upwards from the noise), mm.
 [[nodiscard]] double least_distance(double noise) noexcept;
 

@@ -19,7 +19,7 @@ struct FeaturePoint {
   std::uint32_t k = 0;               ///< sample of the profile it was found at
   std::uint32_t sample = 0;          ///< the same, of the scan line
   std::uint64_t line = 0;            ///< scan line it was found on
-  std::uint32_t window = 0;          ///< samples a side it was measured over; 0 for steps
+  std::uint32_t window = 0;          ///< samples a side it was measured over; of a step: those that its rounding may reach
   std::int32_t partner = -1;         ///< the other edge of a step in the list of the profile
   FeatureType type = FeatureType::convex;
   ShapeElement element = ShapeElement::straight;

@@ -140,6 +140,10 @@ void StepFinder::measure(const Heights& h, WallRun& wall, std::uint32_t low, std
     p->element = p->tau < 0.0 ? ShapeElement::step_top : ShapeElement::step_bottom;
     p->type = p->tau < 0.0 ? FeatureType::step_top : FeatureType::step_bottom;
   }
+  // The end of a rounding is seen somewhat off.
+  const auto rounding = [](std::uint32_t gap) { return 2 * gap + 3; };
+  first.window = rounding(before.gap);
+  second.window = rounding(after.gap);
   first.partner = static_cast<std::int32_t>(out.size()) + 1;
   second.partner = static_cast<std::int32_t>(out.size());
   out.push_back(first);
