@@ -53,7 +53,8 @@ void Detector::add_vertex(const Profile& profile, const Vertex& vertex, std::uin
   constexpr double kSlope = 14.0, kTotal = 42.0; // degrees: of a smooth crest
   constexpr double kRound = 0.5;                 // mm: a crest of this radius is smooth
   const Heights heights{profile.s, profile.w};
-  std::optional<Bend> bend = find_bend(heights, vertex.k, {vertex.before, vertex.after, first, last}, scale);
+  const Reach reach{std::max(vertex.before, first), std::min(vertex.after, last), first, last};
+  std::optional<Bend> bend = find_bend(heights, vertex.k, reach, scale);
   bool smooth = false;
   if (!bend || bend->sharpness < 0.0 || bend->rounding > kRound) {
     const double before = angle(profile.s[vertex.k] - profile.s[vertex.before], profile.w[vertex.k] - profile.w[vertex.before]);
@@ -141,7 +142,7 @@ void Detector::detect(const Profile& profile, const Sampling& sampling, std::vec
     if (vertex.k < begin + kLineEnd || vertex.k + kLineEnd >= profile.ends[run]) continue;
     while (wall < walls_.size() && walls_[wall].high + 1 < vertex.k) ++wall;
     if (wall < walls_.size() && walls_[wall].step && vertex.k + 1 >= walls_[wall].low) continue;
-    // Flanks are not looked for beyond a step.
+    // No fit reaches beyond a step.
     std::uint32_t first = begin, last = profile.ends[run] - 1;
     if (wall > 0 && walls_[wall - 1].step && walls_[wall - 1].last < vertex.k) first = std::max(first, walls_[wall - 1].last);
     if (wall < walls_.size() && walls_[wall].step && walls_[wall].first > vertex.k) last = std::min(last, walls_[wall].first);
