@@ -194,6 +194,7 @@ void Columns::measure_bend(std::int64_t r, std::size_t column, const Sampling& s
   const std::uint32_t k = index(row(r).c);
   if (k < bounds.before + 2 || k + 2 > bounds.after) return;
   bound_by_steps(row(r).c, scale, bounds);
+  if (k <= bounds.before || k >= bounds.after) return;
   const auto bend = find_bend({s_, w_}, k, bounds, scale);
   if (!bend || is_part_of_step(*bend, scale)) return;
   ColumnPoint point = column_point(r, column, make_point(*bend, 0, scale));
@@ -202,7 +203,7 @@ void Columns::measure_bend(std::int64_t r, std::size_t column, const Sampling& s
   out.push_back(point);
 }
 
-// Flanks are not looked for beyond a step.
+// No fit reaches beyond a step.
 void Columns::bound_by_steps(double c, const FitScale& scale, Reach& reach) {
   found_.clear();
   walls_.clear();
@@ -213,6 +214,8 @@ void Columns::bound_by_steps(double c, const FitScale& scale, Reach& reach) {
     if (s_[wall.last] <= c) reach.first = std::max(reach.first, wall.last);
     if (s_[wall.first] >= c) reach.last = std::min(reach.last, wall.first);
   }
+  reach.before = std::max(reach.before, reach.first);
+  reach.after = std::min(reach.after, reach.last);
 }
 
 // Whether a bend of the column in s_, w_ lies within a step, or in what rounds its edges.
