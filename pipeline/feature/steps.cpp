@@ -104,7 +104,14 @@ void StepFinder::measure(const Heights& h, WallRun& wall, std::uint32_t low, std
   double slope = std::copysign(1e3, after.at(middle) - before.at(middle));
   const std::uint32_t steepest = steepest_interval(h, wall.first, wall.last);
   bool upright = b < a + 2;
-  if (is_upright(h, steepest, WallTest(scale)) && before.gap + after.gap > 0) {
+  // A rounding falls by its radius where it meets an upright wall; what falls more is a slope with few samples.
+  const auto rounds = [&](const Flank& flank, std::uint32_t end, std::uint32_t flat) {
+    return std::abs(h.w[end] - flank.at(h.s[end])) <= 1.3 * std::abs(h.s[end] - h.s[flat]) + off;
+  };
+  const std::uint32_t flat_before = wall.first - std::min(wall.first, before.gap + 1);
+  const std::uint32_t flat_after = std::min(wall.last + after.gap + 1, static_cast<std::uint32_t>(h.size() - 1));
+  if (before.gap + after.gap > 0 && is_upright(h, steepest, WallTest(scale)) && rounds(before, steepest, flat_before) &&
+      rounds(after, steepest + 1, flat_after)) {
     upright = true;
     s_before = s_after = 0.5 * (h.s[steepest] + h.s[steepest + 1]);
   } else if (b >= a + 2) {
