@@ -123,7 +123,7 @@ TEST_F(WriteFaults, FullDiskAtEveryByteCutsBackToTheLastGroup) {
     ASSERT_FALSE(writer.append(Gap{64, 3, std::string(3000, 'x')}, 0)) << room;
     ASSERT_TRUE(whole()) << room;
   }
-  for (long room = 0; room < 1200; ++room) {
+  for (long room = 0; room < 1000; ++room) { // somewhat less than the end takes
     faults.bytes_before = room;
     ASSERT_FALSE(writer.finish({}, 0)) << room;
     ASSERT_TRUE(whole()) << room;
@@ -192,7 +192,7 @@ TEST_F(WriteFaults, FailedFinishInPlaceKeepsEveryGroup) {
   const Made made = make(folder_ / "a.mcap", {.groups = 5, .finish = false});
   const Bytes whole = read_file(folder_ / "a.mcap");
   const Bytes torn(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(made.payloads_end.back() + 10));
-  for (long room = 0; room < 2000; room += 13) {
+  for (long room = 0; room < 1700; room += 13) { // somewhat less than the end takes
     write_file(folder_ / "a.mcap", torn);
     faults.write_error = ENOSPC;
     faults.bytes_before = room;
