@@ -64,4 +64,9 @@ struct Tip {
 /// Length in space, mm.
 [[nodiscard]] double length_of(const Curve& curve) noexcept;
 
+/// Whether a step in plan is no longer than this.
+[[nodiscard]] inline bool is_within(double ds, double dc, double reach) noexcept {
+  return ds * ds + dc * dc <= reach * reach;
+}
+
 } // namespace scansion

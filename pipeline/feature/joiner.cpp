@@ -20,8 +20,9 @@ double join_cost(const Tip& a, const Tip& b, const Sampling& sampling) {
   constexpr double kNo = -1.0;
   const double u = sampling.coarse();
   const double ds = b.s - a.s, dc = b.c - a.c;
-  const double gap = std::hypot(ds, dc);
-  if (gap > kStraight * u || std::abs(b.w - a.w) > 1.5 * gap + 2.0 * u + 6.0 * sampling.noise) return kNo;
+  if (!is_within(ds, dc, kStraight * u)) return kNo;
+  const double gap = std::sqrt(ds * ds + dc * dc);
+  if (std::abs(b.w - a.w) > 1.5 * gap + 2.0 * u + 6.0 * sampling.noise) return kNo;
   const double turn = -(a.ds * b.ds + a.dc * b.dc); // cosine: 1 goes straight on
   if (gap <= kAround * u) return turn < -0.6 ? kNo : gap;
   const double ahead = (ds * a.ds + dc * a.dc) / gap;
@@ -84,7 +85,7 @@ void Joiner::find_pairs(double settled, std::span<const LiveEnd> live, const Sam
       const CurveEnd& end = end_of(curve, back);
       if (curve.loop || end.seam || end.awaits != 0 || p.c + kSettled * u > settled) continue;
       const bool waits = std::any_of(live.begin(), live.end(), [&](const LiveEnd& e) {
-        return e.convex == curve.convex && std::hypot(e.s - p.s, e.c - p.c) <= kStraight * u;
+        return e.convex == curve.convex && is_within(e.s - p.s, e.c - p.c, kStraight * u);
       });
       if (waits) continue;
       ends_.push_back({i, back});
@@ -165,7 +166,7 @@ void Joiner::release_finished(const Sampling& sampling, std::vector<Curve>& out)
       if (j == i || held_[j].loop || settled_ends[j] == 2 || held_[j].convex != held_[i].convex) continue;
       for (const CurvePoint* p : {&held_[i].points.front(), &held_[i].points.back()})
         for (const CurvePoint* q : {&held_[j].points.front(), &held_[j].points.back()})
-          if (std::hypot(p->s - q->s, p->c - q->c) <= kStraight * u) done[i] = false;
+          if (is_within(p->s - q->s, p->c - q->c, kStraight * u)) done[i] = false;
     }
   }
   for (std::size_t i = 0; i < held_.size(); ++i) {

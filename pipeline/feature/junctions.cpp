@@ -62,6 +62,7 @@ void Junctions::restart() {
   rows_.clear();
   segments_.clear();
   loose_.clear();
+  room_ = 0;
 }
 
 // Points some coarse steps apart are enough for what is looked for.
@@ -72,7 +73,7 @@ void Junctions::make_segments(const Curve& curve, const Sampling& sampling) {
   std::array<double, 3> last = place(curve.points.front());
   for (std::size_t k = 1; k < curve.points.size(); ++k) {
     const auto now = place(curve.points[k]);
-    if (k + 1 < curve.points.size() && std::hypot(now[0] - last[0], now[2] - last[2]) < kReach * sampling.coarse()) continue;
+    if (k + 1 < curve.points.size() && is_within(now[0] - last[0], now[2] - last[2], kReach * sampling.coarse())) continue;
     own_.push_back({last, now, curve.id, curve.convex, step});
     last = now;
   }
@@ -83,13 +84,13 @@ void Junctions::gather(const Curve& curve, const Sampling& sampling) {
   near_.clear();
   beside_.clear();
   beside_boxes_.clear();
-  Box around;
-  for (const CurvePoint& p : curve.points) around.add(p.s, p.c);
+  around_ = {};
+  for (const CurvePoint& p : curve.points) around_.add(p.s, p.c);
   const double reach = std::max(kReach, kBeside) * sampling.coarse();
   const bool step = !own_.empty() && own_.front().step;
   for (const Segment& g : segments_) {
     const Box box = Box::of(g);
-    if (!around.is_near(box, reach)) continue;
+    if (!around_.is_near(box, reach)) continue;
     if (g.convex == curve.convex) {
       if (g.line != curve.id) near_.push_back(g);
     } else if (step && g.step) {
@@ -164,10 +165,13 @@ void Junctions::meet(Curve& curve, const Sampling& sampling) {
     meet_end(curve, false, sampling);
     meet_end(curve, true, sampling);
   }
+  const double reach = kReach * sampling.coarse();
   std::erase_if(loose_, [&](const Loose& loose) {
+    const Tip& tip = loose.tip;
+    if (!around_.is_near({tip.s, tip.s, tip.c, tip.c}, reach)) return false;
     if (loose.end.line == curve.id || loose.convex != curve.convex) return false;
-    const bool meets = std::any_of(own_.begin(), own_.end(),
-                                   [&](const Segment& g) { return gap_to(loose.tip, g.from, g.to, sampling) >= 0.0; });
+    const bool meets =
+        std::any_of(own_.begin(), own_.end(), [&](const Segment& g) { return gap_to(tip, g.from, g.to, sampling) >= 0.0; });
     if (meets) curve.met_by.push_back(loose.end);
     return meets;
   });
@@ -177,12 +181,16 @@ void Junctions::meet(Curve& curve, const Sampling& sampling) {
 }
 
 void Junctions::forget() {
+  // What lies before the horizon is near to nothing that comes: it only takes room.
+  constexpr std::size_t kRoom = 1024;
+  if (segments_.size() + loose_.size() < room_) return;
   const double horizon = rows_.empty() ? -1e300 : rows_.front().c;
   std::erase_if(segments_, [&](const Segment& g) { return std::max(g.from[2], g.to[2]) < horizon; });
   std::erase_if(loose_, [&](const Loose& l) { return l.tip.c < horizon; });
   if (segments_.size() > kSegments)
     segments_.erase(segments_.begin(), segments_.begin() + static_cast<std::ptrdiff_t>(segments_.size() - kSegments));
   while (loose_.size() > kLoose) loose_.pop_front();
+  room_ = segments_.size() + loose_.size() + kRoom;
 }
 
 } // namespace scansion

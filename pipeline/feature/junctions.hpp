@@ -75,6 +75,8 @@ private:
   // Of what went out before, the pieces of its polarity near it, and those of the other edges of steps:
   std::vector<Segment> near_, beside_;
   std::vector<Box> beside_boxes_;
+  Box around_;           // the curve at hand
+  std::size_t room_ = 0; // segments and ends that are held before anything is forgotten
 };
 
 } // namespace scansion
