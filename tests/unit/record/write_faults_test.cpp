@@ -236,7 +236,7 @@ TEST_F(WriteFaults, DiskThatIsReallyFull) {
     RecordingWriter& writer = created.value();
     std::uint32_t i = 0;
     while (i < 1000) {
-      const EncodedGroup g = group(facts(), i, i * 64, 64, 1000);
+      const EncodedGroup g = group(facts(), i, std::uint64_t{i} * 64, 64, 1000);
       const auto result = writer.append(g, points(g), g.line_count, g.number % 3);
       if (result) {
         ++i;
