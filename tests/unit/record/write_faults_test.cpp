@@ -84,7 +84,7 @@ TEST_F(WriteFaults, GroupGoesOutInOneCall) {
   ASSERT_OK(writer);
   for (std::uint32_t i = 0; i < 3; ++i) {
     faults.write_calls = 0;
-    append(writer.value(), group(facts(16), i, i * 64, 64, 10'000));
+    append(writer.value(), group(facts(16), i, std::uint64_t{i} * 64, 64, 10'000));
     EXPECT_EQ(faults.write_calls, 1);
   }
 }
