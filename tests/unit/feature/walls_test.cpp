@@ -1,0 +1,96 @@
+// Edges of walls: upright between roundings, with a draft, long and short, along and across the scan lines.
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/unit/feature/scan.hpp"
+
+#include "pipeline/feature/steps.hpp"
+
+#include <gtest/gtest.h>
+
+namespace scansion {
+namespace {
+
+using Section = std::function<double(double)>;
+
+/// An upright wall at `place` from 0 up to 4 mm, its foot rounded by 2 mm and its top by 1 mm.
+double rounded_wall(double s, double place) {
+  const double u = s - place;
+  if (u < -2.0) return 0.0;
+  if (u < 0.0) return 2.0 - std::sqrt(4.0 - (u + 2.0) * (u + 2.0));
+  if (u < 1.0) return 3.0 + std::sqrt(1.0 - (1.0 - u) * (1.0 - u));
+  return 4.0;
+}
+
+/// A wall of 80 degrees from 0 at `place` up to 8 mm, its foot rounded by 2 mm.
+double drafted_wall(double s, double place) {
+  constexpr double kAngle = 80.0 / 57.29577951308232, kRadius = 2.0;
+  const double u = s - place, tangent = kRadius * std::tan(0.5 * kAngle);
+  if (u < -tangent) return 0.0;
+  if (u < tangent * std::cos(kAngle)) return kRadius - std::sqrt(kRadius * kRadius - (u + tangent) * (u + tangent));
+  return std::min(8.0, std::tan(kAngle) * u);
+}
+
+struct Found {
+  std::vector<FeaturePoint> edges;
+  std::vector<WallRun> walls;
+};
+
+Found steps_of(const Section& surface, double pitch, double noise_mm) {
+  std::mt19937 random(11);
+  std::normal_distribution<double> noise(0.0, noise_mm);
+  std::vector<double> s, w;
+  for (int k = 0; k * pitch < 20.0; ++k) {
+    s.push_back(k * pitch);
+    w.push_back(surface(s.back()) + noise(random));
+  }
+  Found found;
+  StepFinder finder;
+  finder.find({s, w}, 0, static_cast<std::uint32_t>(s.size()), FitScale::of(noise_mm, pitch, pitch), found.edges, found.walls);
+  return found;
+}
+
+TEST(Walls, UprightOnesBetweenRoundingsStandWhereTheyAreSteepest) {
+  for (const double pitch : {0.1, 0.2, 0.5})
+    for (const double place : {10.02, 10.05, 10.09}) {
+      const Found found = steps_of([&](double s) { return rounded_wall(s, place); }, pitch, 0.005);
+      ASSERT_EQ(found.edges.size(), 2U) << pitch << ' ' << place;
+      for (const FeaturePoint& edge : found.edges) EXPECT_NEAR(edge.s, place, 0.5 * pitch + 1e-9) << pitch << ' ' << place;
+      EXPECT_NEAR(found.edges[0].w, 0.0, 0.03);
+      EXPECT_NEAR(found.edges[1].w, 4.0, 0.03);
+    }
+}
+
+TEST(Walls, WithADraftAndFewSamplesTheyAreNotUpright) {
+  for (const double place : {9.9, 10.0, 10.1, 10.2, 10.3}) {
+    const Found found = steps_of([&](double s) { return drafted_wall(s, place); }, 0.5, 0.005);
+    ASSERT_EQ(found.edges.size(), 2U) << place;
+    EXPECT_NEAR(found.edges[0].s, place, 0.35);
+    EXPECT_NEAR(found.edges[1].s, place + 8.0 / std::tan(80.0 / 57.29577951308232), 0.35) << place;
+  }
+}
+
+TEST(Walls, LongOnesAlongTheScanLinesHaveBothEdges) {
+  // Fourteen lines lie on the wall: too many for a step.
+  const FeatureReport report = Scan([](double, double y) { return drafted_wall(y, 8.0); }, 5.0, 180).run(64);
+  double foot = 0.0, top = 0.0;
+  for (const FeatureLine& line : report.lines) {
+    const std::size_t middle = line.vertices.size() / 2;
+    if (std::abs(line.vertices[middle].position[1] - 8.0) < 0.15) foot += line.length_mm;
+    if (std::abs(line.vertices[middle].position[1] - 9.41) < 0.15) top += line.length_mm;
+  }
+  EXPECT_GT(foot, 15.0);
+  EXPECT_GT(top, 15.0);
+}
+
+TEST(Walls, WhatRoundsAnEdgeIsNoLineOfItsOwn) {
+  const FeatureReport report = Scan([](double x, double) { return rounded_wall(x, 10.03); }, 20.0, 120).run(64);
+  double other = 0.0, wall = 0.0;
+  for (const FeatureLine& line : report.lines) {
+    const double x = line.vertices[line.vertices.size() / 2].position[0];
+    (std::abs(x - 10.03) < 0.15 ? wall : other) += line.length_mm;
+  }
+  EXPECT_GT(wall, 22.0);
+  EXPECT_LT(other, 1.0);
+}
+
+} // namespace
+} // namespace scansion
