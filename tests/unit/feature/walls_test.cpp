@@ -20,13 +20,15 @@ double rounded_wall(double s, double place) {
   return 4.0;
 }
 
-/// A wall of 80 degrees from 0 at `place` up to 8 mm, its foot rounded by 2 mm.
-double drafted_wall(double s, double place) {
-  constexpr double kAngle = 80.0 / 57.29577951308232, kRadius = 2.0;
-  const double u = s - place, tangent = kRadius * std::tan(0.5 * kAngle);
+constexpr double kDegree = 1.0 / 57.29577951308232;
+
+/// A wall that leans from 0 at `place` up to 8 mm, its foot rounded by 2 mm.
+double drafted_wall(double s, double place, double degrees) {
+  constexpr double kRadius = 2.0;
+  const double angle = degrees * kDegree, u = s - place, tangent = kRadius * std::tan(0.5 * angle);
   if (u < -tangent) return 0.0;
-  if (u < tangent * std::cos(kAngle)) return kRadius - std::sqrt(kRadius * kRadius - (u + tangent) * (u + tangent));
-  return std::min(8.0, std::tan(kAngle) * u);
+  if (u < tangent * std::cos(angle)) return kRadius - std::sqrt(kRadius * kRadius - (u + tangent) * (u + tangent));
+  return std::min(8.0, std::tan(angle) * u);
 }
 
 struct Found {
@@ -60,17 +62,18 @@ TEST(Walls, UprightOnesBetweenRoundingsStandWhereTheyAreSteepest) {
 }
 
 TEST(Walls, WithADraftAndFewSamplesTheyAreNotUpright) {
-  for (const double place : {9.9, 10.0, 10.1, 10.2, 10.3}) {
-    const Found found = steps_of([&](double s) { return drafted_wall(s, place); }, 0.5, 0.005);
+  // Less than two intervals wide: taken for upright, the foot is put 0.4 to 0.65 mm off. The sharp top is known to a pitch.
+  for (const double place : {9.8, 9.85, 10.1, 10.15}) {
+    const Found found = steps_of([&](double s) { return drafted_wall(s, place, 83.4); }, 0.5, 0.005);
     ASSERT_EQ(found.edges.size(), 2U) << place;
-    EXPECT_NEAR(found.edges[0].s, place, 0.35);
-    EXPECT_NEAR(found.edges[1].s, place + 8.0 / std::tan(80.0 / 57.29577951308232), 0.35) << place;
+    EXPECT_NEAR(found.edges[0].s, place, 0.35) << place;
+    EXPECT_NEAR(found.edges[1].s, place + 8.0 / std::tan(83.4 * kDegree), 0.55) << place;
   }
 }
 
 TEST(Walls, LongOnesAlongTheScanLinesHaveBothEdges) {
   // Fourteen lines lie on the wall: too many for a step.
-  const FeatureReport report = Scan([](double, double y) { return drafted_wall(y, 8.0); }, 5.0, 180).run(64);
+  const FeatureReport report = Scan([](double, double y) { return drafted_wall(y, 8.0, 80.0); }, 5.0, 180).run(64);
   double foot = 0.0, top = 0.0;
   for (const FeatureLine& line : report.lines) {
     const std::size_t middle = line.vertices.size() / 2;
