@@ -62,25 +62,13 @@ void FeatureStage::Impl::take(const LineGroup& group, const ScanLine& line, std:
   out.ends.clear();
   std::size_t n = 0;
   for (const Run& run : group.runs_of(line)) out.ends.push_back(static_cast<std::uint32_t>(n += run.count));
-  out.distance.resize(n);
-  std::size_t at = 0;
-  for (const Run& run : group.runs_of(line)) {
-    std::copy_n(distance.begin() + run.first, run.count, out.distance.begin() + static_cast<std::ptrdiff_t>(at));
-    at += run.count;
-  }
-  const std::array<std::vector<double>*, 3> axes{&out.x, &out.y, &out.z};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    axes[axis]->resize(n);
-    double* to = axes[axis]->data();
-    std::int64_t sum = 0; // exact, whatever the order
-    for (const Run& run : group.runs_of(line)) {
-      const std::int32_t* from = group.xyz[axis].data() + run.first;
-      for (std::uint32_t k = 0; k < run.count; ++k) to[k] = from[k] * resolution;
-      for (std::uint32_t k = 0; k < run.count; ++k) sum += from[k];
-      to += run.count;
-    }
-    out.mean[axis] = n > 0 ? static_cast<double>(sum) * resolution / static_cast<double>(n) : 0.0;
-  }
+  const auto gather = [&](const auto& from, auto& to) {
+    to.resize(n);
+    auto at = to.begin();
+    for (const Run& run : group.runs_of(line)) at = std::copy_n(from.begin() + run.first, run.count, at);
+  };
+  gather(distance, out.distance);
+  for (std::size_t axis = 0; axis < 3; ++axis) gather(group.xyz[axis], out.xyz[axis]);
 }
 
 void FeatureStage::Impl::begin(FeatureReport& report) {
@@ -89,13 +77,13 @@ void FeatureStage::Impl::begin(FeatureReport& report) {
   finder.set_lean(std::hypot(frame->up[0], frame->up[1]));
   // The sampling is wanted before the first line is searched.
   for (const RawLine& line : waiting) {
-    make_profile(line, *frame, profile);
+    make_profile(line, resolution, *frame, profile);
     estimator.add(profile);
   }
   averages = wants_averaging(estimator.value());
   for (const RawLine& line : waiting) {
     if (!averages) break;
-    make_profile(line, *frame, profile);
+    make_profile(line, resolution, *frame, profile);
     average_pairs(profile, estimator.value(), ranker, pairs);
     pair_estimator.add(pairs);
   }
@@ -105,7 +93,7 @@ void FeatureStage::Impl::begin(FeatureReport& report) {
 
 void FeatureStage::Impl::process(const RawLine& line, FeatureReport& report) {
   constexpr double kSamePlace = 0.3; // spacings
-  make_profile(line, *frame, profile);
+  make_profile(line, resolution, *frame, profile);
   if (profile.size() < 2) return;
   const Sampling sampling = estimator.value();
   if (last_c && profile.c < *last_c - kSamePlace * sampling.spacing) {
@@ -159,8 +147,8 @@ void FeatureStage::add(const LineGroup& group, std::span<const double> distance,
       if (m.averages) m.pair_estimator.add(m.pairs);
       continue;
     }
-    if (m.raw.x.empty()) continue; // says nothing about the frame, and lines may stay empty for ever
-    m.frame_finder.add(m.raw.x, m.raw.y, m.raw.z);
+    if (m.raw.distance.empty()) continue; // says nothing about the frame, and lines may stay empty for ever
+    m.frame_finder.add(m.raw.xyz, m.resolution);
     m.waiting.push_back(m.raw);
     if (m.frame_finder.lines() >= FrameFinder::kLines) m.begin(report);
   }

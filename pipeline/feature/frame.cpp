@@ -61,17 +61,16 @@ Vector3 scaled(const Vector3& v, double factor) {
 
 } // namespace
 
-void FrameFinder::add(std::span<const double> x, std::span<const double> y, std::span<const double> z) {
-  if (x.empty()) return;
+void FrameFinder::add(const std::array<std::vector<std::int32_t>, 3>& xyz, double resolution) {
+  const std::size_t n = xyz[0].size();
+  if (n == 0) return;
   Vector3 middle{};
-  const double share = 1.0 / static_cast<double>(x.size());
-  for (std::size_t k = 0; k < x.size(); ++k) {
-    middle[0] += x[k] * share;
-    middle[1] += y[k] * share;
-    middle[2] += z[k] * share;
-  }
-  for (std::size_t k = 0; k < x.size(); ++k) {
-    const Vector3 d{x[k] - middle[0], y[k] - middle[1], z[k] - middle[2]};
+  const double share = 1.0 / static_cast<double>(n);
+  const auto at = [&](std::size_t axis, std::size_t k) { return xyz[axis][k] * resolution; };
+  for (std::size_t k = 0; k < n; ++k)
+    for (std::size_t i = 0; i < 3; ++i) middle[i] += at(i, k) * share;
+  for (std::size_t k = 0; k < n; ++k) {
+    const Vector3 d{at(0, k) - middle[0], at(1, k) - middle[1], at(2, k) - middle[2]};
     for (std::size_t i = 0; i < 3; ++i)
       for (std::size_t j = 0; j < 3; ++j) scatter_[i][j] += d[i] * d[j] * share;
   }

@@ -5,7 +5,8 @@
 #include "pipeline/model/scan_line.hpp"
 
 #include <array>
-#include <span>
+#include <cstdint>
+#include <vector>
 
 namespace scansion {
 
@@ -33,8 +34,8 @@ class FrameFinder {
 public:
   static constexpr std::size_t kLines = 16; ///< enough for a frame
 
-  /// Points of one line in any unit of length.
-  void add(std::span<const double> x, std::span<const double> y, std::span<const double> z);
+  /// Points of one line, `resolution` in any unit of length per count.
+  void add(const std::array<std::vector<std::int32_t>, 3>& xyz, double resolution);
   [[nodiscard]] std::size_t lines() const noexcept { return lines_; }
   /// Lines that are straight, or that show no plane that stands up, get a vertical plane through their direction.
   [[nodiscard]] Frame frame() const;

@@ -54,28 +54,50 @@ std::size_t steps_back(const std::vector<double>& s) {
   return wrong;
 }
 
-void project(const RawLine& line, const Frame& frame, double* s, double* w) {
-  const std::size_t n = line.x.size();
-  const double* x = line.x.data();
-  const double* y = line.y.data();
-  const double* z = line.z.data();
-  for (std::size_t k = 0; k < n; ++k) s[k] = x[k] * frame.along[0] + y[k] * frame.along[1];
-  for (std::size_t k = 0; k < n; ++k) w[k] = x[k] * frame.up[0] + y[k] * frame.up[1] + z[k] * frame.up[2];
+// Profiles of most devices stand on two axes of the lattice: nothing else is looked at then.
+void project(const RawLine& line, double resolution, const Frame& frame, double* s, double* w) {
+  const std::size_t n = line.size();
+  const std::int32_t* x = line.xyz[0].data();
+  const std::int32_t* y = line.xyz[1].data();
+  const std::int32_t* z = line.xyz[2].data();
+  const Vector3 &e = frame.along, &m = frame.up;
+  if (e == Vector3{1.0, 0.0, 0.0} && m == Vector3{0.0, 0.0, 1.0}) {
+    for (std::size_t k = 0; k < n; ++k) s[k] = x[k] * resolution;
+    for (std::size_t k = 0; k < n; ++k) w[k] = z[k] * resolution;
+    return;
+  }
+  for (std::size_t k = 0; k < n; ++k) {
+    const double x_mm = x[k] * resolution, y_mm = y[k] * resolution;
+    s[k] = x_mm * e[0] + y_mm * e[1];
+    w[k] = x_mm * m[0] + y_mm * m[1] + z[k] * resolution * m[2];
+  }
+}
+
+// Place of the line's mean across the lines, in mm.
+double place_across(const RawLine& line, double resolution, const Vector3& normal) {
+  double c = 0.0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (normal[axis] == 0.0) continue;
+    std::int64_t sum = 0; // exact, whatever the order
+    for (const std::int32_t value : line.xyz[axis]) sum += value;
+    c += static_cast<double>(sum) * resolution / static_cast<double>(line.size()) * normal[axis];
+  }
+  return c;
 }
 
 } // namespace
 
-void make_profile(const RawLine& line, const Frame& frame, Profile& out) {
-  out.clear();
+void make_profile(const RawLine& line, double resolution, const Frame& frame, Profile& out) {
   out.line = line.index;
-  const std::size_t n = line.x.size();
-  if (n == 0) return;
+  out.masked = out.spikes = 0;
+  out.turned = false;
+  const std::size_t n = line.size();
   out.s.resize(n);
   out.w.resize(n);
   out.source.resize(n);
-  project(line, frame, out.s.data(), out.w.data());
+  project(line, resolution, frame, out.s.data(), out.w.data());
   std::iota(out.source.begin(), out.source.end(), 0U);
-  out.c = dot(line.mean, frame.normal);
+  if (n > 0) out.c = place_across(line, resolution, frame.normal);
   out.distance.assign(line.distance.begin(), line.distance.end());
   out.ends.assign(line.ends.begin(), line.ends.end());
   const std::size_t back = steps_back(out.s);

@@ -34,15 +34,18 @@ struct Profile {
   }
 };
 
-/// Points of one line in mm, their mean, its runs (Run::first relative to the line) and its distances.
+/// One line: its points in counts, where its runs end, its distances in mm.
 struct RawLine {
   std::uint64_t index = 0;
-  std::vector<double> x, y, z, distance;
+  std::array<std::vector<std::int32_t>, 3> xyz;
+  std::vector<double> distance;
   std::vector<std::uint32_t> ends;
-  Vector3 mean{};
+
+  [[nodiscard]] std::size_t size() const noexcept { return distance.size(); }
 };
 
 /// Fills `out` from `line`: turned round when it was scanned backwards, samples masked whose s does not advance.
-void make_profile(const RawLine& line, const Frame& frame, Profile& out);
+/// `resolution` in mm per count.
+void make_profile(const RawLine& line, double resolution, const Frame& frame, Profile& out);
 
 } // namespace scansion
