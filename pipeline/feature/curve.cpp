@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/feature/curve.hpp"
 
+#include "pipeline/feature/evidence.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -43,15 +45,16 @@ void cut_stretches(const Track& track, std::size_t count, std::size_t fewest, st
 
 bool is_enough(const Curve& curve) {
   constexpr std::size_t kStrong = 5, kFair = 8, kWeak = 14, kWeakest = 30;
-  double turning = 0.0;
+  Evidence evidence;
   std::size_t guided = 0;
   for (const CurvePoint& p : curve.points) {
-    turning += std::abs(p.feature.tau);
+    evidence.add(p.feature);
     guided += p.feature.guided ? 1 : 0;
   }
   const auto n = curve.points.size();
-  turning /= static_cast<double>(n);
   if (2 * guided > n) return false;
+  if (evidence.is_sure()) return true;
+  const double turning = evidence.turning();
   return n >= (turning < 14.0 ? kWeakest : turning < 20.0 ? kWeak : turning < 30.0 ? kFair : kStrong);
 }
 

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/feature/track.hpp"
 
+#include "pipeline/feature/evidence.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -77,27 +79,29 @@ Axis axis_of(const Track& track, TrackEnd end) {
 }
 
 bool is_confirmed(const Track& track) {
-  constexpr std::size_t kPoints = 5;
+  constexpr std::size_t kFewest = 4, kPoints = 5;
   // What turns little must be seen more often: noise and the polygons of smooth surfaces turn little too.
   constexpr std::size_t kFairPoints = 6, kWeakPoints = 9;
-  constexpr double kTurning = 8.0, kWeak = 20.0, kStrong = 30.0, kSharpness = 1.5, kSharpest = 6.0;
+  constexpr double kTurning = 8.0, kWeak = 20.0, kStrong = 30.0, kSharpness = 1.5;
   const std::size_t n = track.points.size();
-  if (n < kPoints) return false;
+  if (n < kFewest) return false;
   const auto span = static_cast<double>(std::abs(track.points.back().step - track.points.front().step) + 1);
   if (static_cast<double>(n) < 0.5 * span) return false;
   static thread_local std::vector<double> turning;
   turning.clear();
-  double sharpness = 0.0;
+  Evidence evidence;
   bool smooth = true;
   for (const TrackPoint& p : track.points) {
     turning.push_back(std::abs(p.feature.tau));
-    sharpness += std::min(p.feature.sharpness, kSharpest);
+    evidence.add(p.feature);
     smooth = smooth && p.feature.smooth;
   }
+  if (evidence.is_sure()) return true;
+  if (n < kPoints) return false;
   std::nth_element(turning.begin(), turning.begin() + static_cast<std::ptrdiff_t>(n / 2), turning.end());
   const double middle = turning[n / 2];
   if (middle < kTurning || n < (middle < kWeak ? kWeakPoints : middle < kStrong ? kFairPoints : kPoints)) return false;
-  return smooth || sharpness >= kSharpness * static_cast<double>(n);
+  return smooth || evidence.sharpness() >= kSharpness;
 }
 
 } // namespace scansion
