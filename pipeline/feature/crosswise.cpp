@@ -4,12 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace scansion {
 
 namespace {
 
 constexpr std::int64_t kReachColumns = 3; // K + 1
+constexpr double kUnsure = kGateSteps + 0.5 * kGateSigmas; // spacings: gate of an end known to half a spacing
+constexpr double kNever = std::numeric_limits<double>::infinity();
 
 TrackPoint track_point(const ColumnPoint& p) {
   TrackPoint t;
@@ -21,111 +24,152 @@ TrackPoint track_point(const ColumnPoint& p) {
   return t;
 }
 
-} // namespace
-
-void CrosswiseLinker::index(std::size_t track, TrackEnd end) {
-  const Track& t = live_[track];
-  if (end == TrackEnd::front)
-    fronts_[t.points.front().step].push_back(track);
-  else
-    backs_[t.points.back().step].push_back(track);
+std::size_t index_of(TrackEnd end) noexcept {
+  return static_cast<std::size_t>(end);
 }
 
-void CrosswiseLinker::rebuild_index() {
-  for (auto* map : {&fronts_, &backs_})
-    for (auto& [column, tracks] : *map) tracks.clear();
-  for (std::size_t t = 0; t < live_.size(); ++t) {
-    index(t, TrackEnd::front);
-    index(t, TrackEnd::back);
+} // namespace
+
+const Axis& CrosswiseLinker::axis(std::uint32_t track, TrackEnd end) {
+  Ends& ends = ends_[track];
+  if (!ends.known[index_of(end)]) {
+    ends.axes[index_of(end)] = axis_of(live_[track], end);
+    ends.known[index_of(end)] = true;
   }
+  return ends.axes[index_of(end)];
 }
 
 CrosswiseLinker::Choice CrosswiseLinker::best_end(const ColumnPoint& point, TrackEnd end, const Sampling& sampling) {
   Choice best;
   for (std::int64_t d = 1; d <= kReachColumns; ++d) {
-    auto& map = end == TrackEnd::back ? backs_ : fronts_;
-    const std::int64_t column = end == TrackEnd::back ? point.column - d : point.column + d;
-    const auto found = map.find(column);
-    if (found == map.end()) continue;
-    for (const std::size_t t : found->second) {
+    const auto look = [&](std::uint32_t t) {
       const Track& track = live_[t];
-      if (track.points.empty()) continue;
+      if (track.convex() != point.feature.convex()) return;
       const TrackPoint& last = end == TrackEnd::back ? track.points.back() : track.points.front();
-      if (last.step != column) continue;
-      const Expectation e = expect(axis_of(track, end), point.s, sampling.spacing, sampling.noise, last.feature.sigma_s);
+      const Expectation e = expect(axis(t, end), point.s, sampling.spacing, sampling.noise, last.feature.sigma_s);
       const auto cost = link_cost(track, last.feature, e, point.feature, point.feature.s, point.feature.w, linking_);
-      if (!cost) continue;
+      if (!cost) return;
       // Nearer columns first: a track that already has a point there is the better one to continue.
       const double full = *cost + 0.2 * static_cast<double>(d - 1);
       if (!best.found || full < best.cost || (full == best.cost && track.id < live_[best.track].id)) best = {t, full, true};
-    }
+    };
+    if (end == TrackEnd::back)
+      backs_.visit(point.column - d, look);
+    else
+      fronts_.visit(point.column + d, look);
   }
   return best;
 }
 
-void CrosswiseLinker::join(std::size_t into, std::size_t from) {
-  Track& a = live_[into];
-  Track& b = live_[from];
-  for (const TrackPoint& p : b.points) a.points.push_back(p);
-  b.points.clear();
-  index(into, TrackEnd::back);
+// The axis at the other end looks at some of the same points while the track is short.
+void CrosswiseLinker::note_growth(std::uint32_t track, TrackEnd end) {
+  const Track& t = live_[track];
+  Ends& ends = ends_[track];
+  ends.known[index_of(end)] = false;
+  if (t.points.size() <= kAxisPoints) ends.known = {};
+  if (end == TrackEnd::front)
+    fronts_.put(track, t.points.front().step);
+  else
+    backs_.put(track, t.points.back().step);
+  if (!ends.grew) grew_.push_back(track);
+  ends.grew = true;
+}
+
+void CrosswiseLinker::bear(const ColumnPoint& point) {
+  std::uint32_t at = 0;
+  if (vacant_.empty()) {
+    at = static_cast<std::uint32_t>(live_.size());
+    live_.emplace_back();
+    ends_.emplace_back();
+    latest_.push_back(kNever);
+  } else {
+    at = vacant_.back();
+    vacant_.pop_back();
+  }
+  Track track;
+  track.id = next_id_++;
+  track.pass = Pass::crosswise;
+  track.means.start(point.feature);
+  track.points = std::move(live_[at].points); // for their room
+  track.points.push_back(track_point(point));
+  live_[at] = std::move(track);
+  note_growth(at, TrackEnd::front);
+  note_growth(at, TrackEnd::back);
+}
+
+void CrosswiseLinker::extend(std::uint32_t track, TrackEnd end, const ColumnPoint& point) {
+  Track& t = live_[track];
+  if (end == TrackEnd::front)
+    t.points.push_front(track_point(point));
+  else
+    t.points.push_back(track_point(point));
+  t.means.follow(point.feature);
+  note_growth(track, end);
+}
+
+void CrosswiseLinker::join(std::uint32_t into, std::uint32_t from) {
+  for (const TrackPoint& p : live_[from].points) live_[into].points.push_back(p);
+  vacate(from);
+  note_growth(into, TrackEnd::back);
 }
 
 void CrosswiseLinker::place(const ColumnPoint& point, const Sampling& sampling) {
   const Choice left = best_end(point, TrackEnd::back, sampling);
   const Choice right = best_end(point, TrackEnd::front, sampling);
   if (left.found && right.found && left.track != right.track) {
-    live_[left.track].points.push_back(track_point(point));
-    live_[left.track].means.follow(point.feature);
+    extend(left.track, TrackEnd::back, point);
     join(left.track, right.track);
   } else if (left.found && (!right.found || left.cost <= right.cost)) {
-    live_[left.track].points.push_back(track_point(point));
-    live_[left.track].means.follow(point.feature);
-    index(left.track, TrackEnd::back);
+    extend(left.track, TrackEnd::back, point);
   } else if (right.found) {
-    live_[right.track].points.push_front(track_point(point));
-    live_[right.track].means.follow(point.feature);
-    index(right.track, TrackEnd::front);
+    extend(right.track, TrackEnd::front, point);
   } else {
-    Track track;
-    track.id = next_id_++;
-    track.pass = Pass::crosswise;
-    track.points.push_back(track_point(point));
-    track.means.start(point.feature);
-    live_.push_back(std::move(track));
-    index(live_.size() - 1, TrackEnd::front);
-    index(live_.size() - 1, TrackEnd::back);
+    bear(point);
   }
 }
 
-void CrosswiseLinker::end(Track& track, std::vector<Track>& ended) {
-  track.confirmed = is_confirmed(track);
-  if (track.confirmed) ended.push_back(std::move(track));
-  track.points.clear();
+void CrosswiseLinker::vacate(std::uint32_t track) {
+  live_[track].points.clear();
+  fronts_.take(track);
+  backs_.take(track);
+  latest_[track] = kNever;
+  vacant_.push_back(track);
+}
+
+// In the order in which they began.
+void CrosswiseLinker::end(std::span<std::uint32_t> tracks, std::vector<Track>& ended) {
+  std::sort(tracks.begin(), tracks.end(), [&](std::uint32_t a, std::uint32_t b) { return live_[a].id < live_[b].id; });
+  for (const std::uint32_t t : tracks) {
+    live_[t].confirmed = is_confirmed(live_[t]);
+    if (live_[t].confirmed) ended.push_back(std::move(live_[t]));
+    vacate(t);
+  }
+}
+
+// As far as either end expects a point in the last column of its reach, with the part of the gate that grows on the way.
+double CrosswiseLinker::latest_of(std::uint32_t track, double pitch) {
+  if (live_[track].points.empty()) return kNever;
+  const double way = static_cast<double>(kReachColumns) * pitch;
+  double latest = -kNever;
+  for (const TrackEnd side : {TrackEnd::front, TrackEnd::back}) {
+    const Axis& a = axis(track, side);
+    const double turn = a.slope_q * (side == TrackEnd::back ? way : -way);
+    latest = std::max(latest, a.q + std::max(0.0, turn) + way * a.widening);
+  }
+  return latest;
 }
 
 void CrosswiseLinker::retire(double settled, double pitch, const Sampling& sampling, std::vector<Track>& ended) {
-  bool any = false;
-  for (Track& track : live_) {
-    if (track.points.empty()) continue;
-    double latest = track.points.front().q;
-    for (const TrackEnd side : {TrackEnd::front, TrackEnd::back}) {
-      const Axis axis = axis_of(track, side);
-      const double r = axis.r + (side == TrackEnd::back ? 1.0 : -1.0) * static_cast<double>(kReachColumns) * pitch;
-      const Expectation e = expect(axis, r, sampling.spacing, sampling.noise, 0.5 * sampling.spacing);
-      latest = std::max({latest, e.q + e.gate_q, axis.q + e.gate_q});
-    }
-    if (latest >= settled) continue;
-    end(track, ended);
-    any = true;
+  for (const std::uint32_t t : grew_) {
+    latest_[t] = latest_of(t, pitch);
+    ends_[t].grew = false;
   }
-  if (!any) return;
-  // The index passes over tracks that ended; it is made anew when they are many.
-  constexpr std::ptrdiff_t kMany = 32;
-  const auto ended_ones = std::count_if(live_.begin(), live_.end(), [](const Track& t) { return t.points.empty(); });
-  if (ended_ones < kMany && 4 * ended_ones < static_cast<std::ptrdiff_t>(live_.size())) return;
-  std::erase_if(live_, [](const Track& t) { return t.points.empty(); });
-  rebuild_index();
+  grew_.clear();
+  const double limit = settled - kUnsure * sampling.spacing;
+  ending_.clear();
+  for (std::uint32_t t = 0; t < latest_.size(); ++t)
+    if (latest_[t] < limit) ending_.push_back(t);
+  end(ending_, ended);
 }
 
 void CrosswiseLinker::add(const std::vector<ColumnPoint>& points, double pitch, double settled, const Sampling& sampling,
@@ -135,11 +179,10 @@ void CrosswiseLinker::add(const std::vector<ColumnPoint>& points, double pitch, 
 }
 
 void CrosswiseLinker::finish(std::vector<Track>& ended) {
-  for (Track& track : live_)
-    if (!track.points.empty()) end(track, ended);
-  live_.clear();
-  fronts_.clear();
-  backs_.clear();
+  ending_.clear();
+  for (std::uint32_t t = 0; t < live_.size(); ++t)
+    if (!live_[t].points.empty()) ending_.push_back(t);
+  end(ending_, ended);
 }
 
 } // namespace scansion

@@ -2,10 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "pipeline/feature/column_ends.hpp"
 #include "pipeline/feature/columns.hpp"
 #include "pipeline/feature/linking.hpp"
 
-#include <unordered_map>
+#include <array>
+#include <span>
 #include <vector>
 
 namespace scansion {
@@ -15,32 +17,48 @@ class CrosswiseLinker {
 public:
   explicit CrosswiseLinker(Linking linking) : linking_(linking) {}
 
-  /// Points in the order in which Columns finds them. `pitch`: of the columns; `settled`: no point with a smaller c will come.
+  /// Points in the order in which Columns finds them. `pitch`: of the columns, always the same; `settled`: no point with a
+  /// smaller c will come.
   void add(const std::vector<ColumnPoint>& points, double pitch, double settled, const Sampling& sampling,
            std::vector<Track>& ended);
   void finish(std::vector<Track>& ended);
 
+  /// Those without points are vacant.
   [[nodiscard]] std::vector<Track>& live() noexcept { return live_; }
 
 private:
   struct Choice {
-    std::size_t track = 0;
+    std::uint32_t track = 0;
     double cost = 0.0;
     bool found = false;
   };
+  /// What is known of a track's ends until it grows there.
+  struct Ends {
+    std::array<Axis, 2> axes; ///< by TrackEnd
+    std::array<bool, 2> known{};
+    bool grew = false; ///< stands in grew_
+  };
   [[nodiscard]] Choice best_end(const ColumnPoint& point, TrackEnd end, const Sampling& sampling);
   void place(const ColumnPoint& point, const Sampling& sampling);
-  void join(std::size_t into, std::size_t from);
+  void bear(const ColumnPoint& point);
+  void extend(std::uint32_t track, TrackEnd end, const ColumnPoint& point);
+  void join(std::uint32_t into, std::uint32_t from);
+  void note_growth(std::uint32_t track, TrackEnd end);
+  [[nodiscard]] const Axis& axis(std::uint32_t track, TrackEnd end);
+  [[nodiscard]] double latest_of(std::uint32_t track, double pitch);
   void retire(double settled, double pitch, const Sampling& sampling, std::vector<Track>& ended);
-  void end(Track& track, std::vector<Track>& ended);
-  void index(std::size_t track, TrackEnd end);
-  void rebuild_index();
+  void end(std::span<std::uint32_t> tracks, std::vector<Track>& ended);
+  void vacate(std::uint32_t track);
 
   Linking linking_;
   std::vector<Track> live_;
+  std::vector<Ends> ends_;            ///< of these tracks
+  std::vector<double> latest_;        ///< c up to which a point may continue them, less what depends on the spacing; mm
+  std::vector<std::uint32_t> vacant_; ///< of these tracks
+  std::vector<std::uint32_t> grew_;   ///< tracks whose `latest_` is out of date
+  std::vector<std::uint32_t> ending_; ///< scratch
+  ColumnEnds fronts_, backs_;
   std::uint64_t next_id_ = 1;
-  // Tracks by the column of their first and of their last point; entries may be out of date.
-  std::unordered_map<std::int64_t, std::vector<std::size_t>> fronts_, backs_;
 };
 
 } // namespace scansion

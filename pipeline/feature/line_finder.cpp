@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace scansion {
 
@@ -47,8 +46,7 @@ void LineFinder::drop_hidden_feet(Track& track, std::size_t first, std::size_t l
   for (std::size_t i = first; i < last; ++i) {
     TrackPoint& p = track.points[i];
     if (p.feature.drop <= 0.0 || p.feature.convex()) continue;
-    const double along = std::cos(track.angle_to_lines(i) * std::numbers::pi / 180.0);
-    if (p.feature.drop * lean_ * along > 0.6 * sampling.coarse()) p.verdict = Verdict::dropped;
+    if (p.feature.drop * lean_ * track.course_at(i).cosine() > 0.6 * sampling.coarse()) p.verdict = Verdict::dropped;
   }
 }
 
@@ -57,7 +55,7 @@ void LineFinder::shed(Track& track, const Sampling& sampling) {
   const std::size_t size = track.points.size();
   if (size < kLeastShed + kKept) return;
   if (!track.confirmed) { // and may never be
-    track.points.erase(track.points.begin(), track.points.end() - static_cast<std::ptrdiff_t>(kKept));
+    track.points.pop_front(size - kKept);
     return;
   }
   const auto open =
@@ -72,7 +70,7 @@ void LineFinder::shed(Track& track, const Sampling& sampling) {
     track.shed += count;
     track.goes_on = track.points[count - 1].verdict == Verdict::kept && track.points[count].verdict == Verdict::kept;
   }
-  track.points.erase(track.points.begin(), track.points.begin() + static_cast<std::ptrdiff_t>(count));
+  track.points.pop_front(count);
 }
 
 void LineFinder::smooth_ended(std::size_t first) {

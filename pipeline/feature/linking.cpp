@@ -27,7 +27,7 @@ Expectation expect(const Axis& axis, double r, double pitch, double noise, doubl
   Expectation e;
   e.q = axis.q + axis.slope_q * dr;
   e.w = axis.w + axis.slope_w * dr;
-  e.gate_q = std::abs(dr) * std::tan(axis.half_angle * std::numbers::pi / 180.0) + 0.6 * pitch + 2.0 * sigma_q;
+  e.gate_q = std::abs(dr) * axis.widening + kGateSteps * pitch + kGateSigmas * sigma_q;
   e.gate_w = 1.2 * std::abs(dr) + 6.0 * noise + 0.4 * pitch;
   return e;
 }

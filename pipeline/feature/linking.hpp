@@ -15,6 +15,9 @@ struct Expectation {
   double q = 0.0, w = 0.0, gate_q = 0.0, gate_w = 0.0;
 };
 
+// Of a gate along q, what does not grow with the way: steps of the sampling, and sigmas of the last point's place.
+inline constexpr double kGateSteps = 0.6, kGateSigmas = 2.0;
+
 /// `pitch` is the sampling step along q.
 [[nodiscard]] Expectation expect(const Axis& axis, double r, double pitch, double noise, double sigma_q) noexcept;
 

@@ -5,13 +5,22 @@
 #include "pipeline/feature/evidence.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <numbers>
 #include <vector>
 
 namespace scansion {
+
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+// Half openings of the cone of influence, by the points that tell where a track goes: 1, up to 3, more.
+const double kNewborn = std::tan(68.0 * kDegree);
+const double kYoung = std::tan(50.0 * kDegree);
+const double kGrown = std::tan(30.0 * kDegree);
+
+} // namespace
 
 void TrackMeans::start(const FeaturePoint& point) noexcept {
   tau = point.tau;
@@ -26,12 +35,11 @@ void TrackMeans::follow(const FeaturePoint& point) noexcept {
   width += kGain * (point.width - width);
 }
 
-double Track::angle_to_lines(std::size_t i) const noexcept {
+Course Track::course_at(std::size_t i) const noexcept {
   constexpr std::size_t kReach = 4;
   const std::size_t low = i > kReach ? i - kReach : 0, high = std::min(points.size() - 1, i + kReach);
   const TrackPoint &a = points[low], &b = points[high];
-  const double ds = std::abs(s_of(b) - s_of(a)), dc = std::abs(c_of(b) - c_of(a));
-  return std::atan2(dc, ds) * 180.0 / std::numbers::pi;
+  return {std::abs(s_of(b) - s_of(a)), std::abs(c_of(b) - c_of(a))};
 }
 
 void Track::cut_guided_end() {
@@ -39,19 +47,16 @@ void Track::cut_guided_end() {
 }
 
 Axis axis_of(const Track& track, TrackEnd end) {
-  constexpr std::size_t kPoints = 6;
   constexpr double kYoungTrust = 0.7;
-  const std::size_t n = std::min(kPoints, track.points.size());
-  const auto point = [&](std::size_t i) -> const TrackPoint& {
-    return end == TrackEnd::back ? track.points[track.points.size() - 1 - i] : track.points[i];
-  };
-  const TrackPoint& apex = point(0);
-  Axis axis{apex.q, apex.w, apex.r, 0.0, 0.0, 68.0};
-  if (n >= 2) axis.half_angle = n <= 3 ? 50.0 : 30.0;
+  const std::size_t n = std::min(kAxisPoints, track.points.size());
+  const TrackPoint* const apex = end == TrackEnd::back ? &track.points.back() : &track.points.front();
+  const std::ptrdiff_t inwards = end == TrackEnd::back ? -1 : 1;
+  const auto point = [&](std::size_t i) -> const TrackPoint& { return apex[inwards * static_cast<std::ptrdiff_t>(i)]; };
+  Axis axis{apex->q, apex->w, apex->r, 0.0, 0.0, n == 1 ? kNewborn : n <= 3 ? kYoung : kGrown};
   if (n == 2) {
-    const double dr = apex.r - point(1).r;
-    axis.slope_q = kYoungTrust * (apex.q - point(1).q) / dr;
-    axis.slope_w = kYoungTrust * (apex.w - point(1).w) / dr;
+    const double dr = apex->r - point(1).r;
+    axis.slope_q = kYoungTrust * (apex->q - point(1).q) / dr;
+    axis.slope_w = kYoungTrust * (apex->w - point(1).w) / dr;
   } else if (n > 2) {
     double mr = 0.0, mq = 0.0, mw = 0.0;
     for (std::size_t i = 0; i < n; ++i) {

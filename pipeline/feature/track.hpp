@@ -2,10 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "pipeline/feature/double_ended.hpp"
 #include "pipeline/feature/feature_point.hpp"
 
+#include <cmath>
 #include <cstddef>
-#include <deque>
 
 namespace scansion {
 
@@ -23,7 +24,6 @@ struct TrackPoint {
   double r = 0.0, q = 0.0, w = 0.0;
   double smooth_q = 0.0, smooth_w = 0.0; ///< published place: after smoothing
   std::int64_t step = 0;                 ///< number of the scan line, or of the column
-  std::uint32_t before = 0, after = 0;   ///< samples that its fit must not pass
   FeaturePoint feature;
   Verdict verdict = Verdict::open;
 };
@@ -35,11 +35,20 @@ struct TrackMeans {
   void follow(const FeaturePoint& point) noexcept;
 };
 
+/// How far something goes along the scan lines and across them, mm, neither below 0.
+struct Course {
+  double along = 0.0, across = 0.0;
+  /// Does it stand at more than the angle of this tangent to the scan lines?
+  [[nodiscard]] bool is_steeper(double tangent) const noexcept { return across > tangent * along; }
+  /// Of its angle to them.
+  [[nodiscard]] double cosine() const noexcept { return across > 0.0 ? along / std::hypot(along, across) : 1.0; }
+};
+
 struct Track {
   static constexpr std::uint64_t kCrosswiseBit = std::uint64_t{1} << 63U; ///< ids of both passes stay apart
   std::uint64_t id = 0;
   Pass pass = Pass::lengthwise;
-  std::deque<TrackPoint> points;
+  DoubleEnded<TrackPoint> points;
   TrackMeans means;
   FeatureEnd begins = FeatureEnd::death, ends = FeatureEnd::death;
   std::uint32_t misses = 0; ///< in a row
@@ -56,8 +65,8 @@ struct Track {
   [[nodiscard]] double c_of(const TrackPoint& p) const noexcept { return pass == Pass::lengthwise ? p.r : p.smooth_q; }
   /// Points so far.
   [[nodiscard]] std::size_t size() const noexcept { return shed + points.size(); }
-  /// Degrees between the track at point i and the scan lines, 0 to 90.
-  [[nodiscard]] double angle_to_lines(std::size_t i) const noexcept;
+  /// Which way the track runs at point i.
+  [[nodiscard]] Course course_at(std::size_t i) const noexcept;
   void cut_guided_end();
 };
 
@@ -65,10 +74,11 @@ struct Track {
 struct Axis {
   double q = 0.0, w = 0.0, r = 0.0; ///< apex: its last point
   double slope_q = 0.0, slope_w = 0.0;
-  double half_angle = 68.0; ///< degrees: opening of the cone of influence
+  double widening = 0.0; ///< tangent of half the opening of the cone of influence
 };
 enum class TrackEnd : std::uint8_t { front, back };
-/// Least squares over the last six points; less for a young track (paper, section 5: the cone's axis follows the line).
+inline constexpr std::size_t kAxisPoints = 6;
+/// Least squares over the last kAxisPoints points; less for a young track (paper, section 5: the cone's axis follows the line).
 [[nodiscard]] Axis axis_of(const Track& track, TrackEnd end);
 
 /// Confirmed: long, strong and sharp enough to be published.

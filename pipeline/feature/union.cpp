@@ -9,8 +9,8 @@ namespace scansion {
 
 namespace {
 
-constexpr double kSteep = 40.0;          // degrees to the scan lines: a lengthwise track above this is trusted alone
-constexpr double kShallow = 52.0;        // a crosswise track above this is not
+constexpr double kSteep = 0.83909963;    // tan 40 degrees to the scan lines: a lengthwise track above this is trusted alone
+constexpr double kShallow = 1.27994163;  // tan 52: a crosswise track above this is not
 constexpr double kBeside = 1.3;          // pitches, spacings
 constexpr double kShallowTurning = 10.0; // degrees: a lengthwise track below kSteep must turn more
 
@@ -48,7 +48,7 @@ bool Union::is_covered(const Band& band, const Near& place, double reach_s, doub
     if (by == By::any) return true;
     if (by == By::shallow) {
       // A steep one will be dropped itself.
-      if (it->track->angle_to_lines(it->index) < kShallow) return true;
+      if (!it->track->course_at(it->index).is_steeper(kShallow)) return true;
       continue;
     }
     const std::size_t other = it->track->size(), own = place.track->size();
@@ -70,7 +70,7 @@ void Union::decide(std::span<Track* const> tracks, double settled, const Samplin
   gather(tracks, Pass::crosswise, low, high, crosswise_);
   for (const Near& n : lengthwise_) {
     if (n.point->verdict != Verdict::open || n.c > settled) continue;
-    const bool steep = n.track->angle_to_lines(n.index) >= kSteep;
+    const bool steep = n.track->course_at(n.index).is_steeper(kSteep);
     const bool twin = is_covered(lengthwise_, n, kBeside * sampling.pitch, 0.5 * sampling.spacing, By::longer);
     // The section of a rounding is so long here that its polygon shows.
     const bool weak = std::abs(n.point->feature.tau) < kShallowTurning;
@@ -79,7 +79,7 @@ void Union::decide(std::span<Track* const> tracks, double settled, const Samplin
   }
   for (const Near& n : crosswise_) {
     if (n.point->verdict != Verdict::open || n.c > settled) continue;
-    const bool steep = n.track->angle_to_lines(n.index) >= kShallow;
+    const bool steep = n.track->course_at(n.index).is_steeper(kShallow);
     const bool twin = is_covered(crosswise_, n, kBeside * sampling.pitch, kBeside * sampling.spacing, By::longer);
     const bool drop = steep || twin || is_covered(lengthwise_, n, reach, reach, By::any);
     n.point->verdict = drop ? Verdict::dropped : Verdict::kept;
