@@ -30,12 +30,12 @@ constexpr double kLeastSteps = 6.0;       // coarse steps: and no shorter than t
 
 class Namer {
 public:
-  Namer(PatchGraph& graph, const Sampling& sampling, std::vector<Form>& forms)
-      : graph_(graph), sampling_(sampling), forms_(forms) {}
+  Namer(PatchGraph& graph, PatchLooks& looks, const Sampling& sampling, std::vector<Form>& forms)
+      : graph_(graph), looks_(looks), sampling_(sampling), forms_(forms) {}
 
   FormKind name(std::uint32_t id) {
     if (graph_.node(id).form != FormKind::face) return graph_.node(id).form;
-    const PatchLook look = look_at(graph_, id, sampling_);
+    const PatchLook& look = looks_.of(id);
     if (look.role == Role::flank) return name_flank(id, look);
     if (look.role == Role::strip) return FormKind::chamfer;
     FormKind kind = FormKind::face;
@@ -68,7 +68,7 @@ private:
     double beside = 0.0;
     for (const auto& [other, border] : graph_.node(id).borders) {
       if (other == id) continue;
-      const Role role = look_at(graph_, other, sampling_).role;
+      const Role role = looks_.of(other).role;
       if (role == Role::flank || role == look.role) beside += border.total();
     }
     return beside >= kSide * look.outline.cut();
@@ -79,7 +79,7 @@ private:
     std::vector<std::uint32_t> patches{id};
     for (const auto& [other, border] : graph_.node(id).borders) {
       if (other == id || border.total() <= 0.0) continue;
-      const PatchLook look = look_at(graph_, other, sampling_);
+      const PatchLook& look = looks_.of(other);
       if (look.role == Role::flank && border.total() >= kCrease * look.outline.all()) patches.push_back(other);
     }
     return patches;
@@ -94,7 +94,7 @@ private:
     const PatchNode* largest = nullptr;
     double smallest = std::numeric_limits<double>::infinity();
     double border = 0.0, falls = 0.0;
-    for (const Level& level : levels_around(graph_, id, sampling_)) {
+    for (const Level& level : looks_.levels_around(id)) {
       const PatchNode& other = graph_.node(level.patch);
       if (own.encloses(other)) continue;
       border += level.border;
@@ -122,7 +122,7 @@ private:
     const Border& border = graph_.node(a).borders.at(b);
     const double crease = border.length[concave ? 1 : 0];
     for (const std::uint32_t id : {a, b}) {
-      const PatchLook look = look_at(graph_, id, sampling_);
+      const PatchLook& look = looks_.of(id);
       if (look.role != Role::flank || crease < kCrease * look.outline.all()) return false;
       const double other = concave ? look.outline.high : look.outline.low;
       const double same = (concave ? look.outline.low : look.outline.high) - crease;
@@ -141,7 +141,7 @@ private:
       for (const auto& [other, border] : graph_.node(id).borders) {
         if (std::find(flanks.begin(), flanks.end(), other) != flanks.end()) continue;
         all += border.total();
-        if (look_at(graph_, other, sampling_).role != Role::flank) faces += border.total();
+        if (looks_.of(other).role != Role::flank) faces += border.total();
       }
     }
     const auto [length, width] = sums.box();
@@ -165,18 +165,18 @@ private:
       emit(kind, std::move(flanks), look.outline);
       return kind;
     }
-    for (const Level& level : levels_around(graph_, id, sampling_))
+    for (const Level& level : looks_.levels_around(id))
       if (angle_between(look.plane, graph_.node(level.patch).sums.plane()) >= kWallTilt) return FormKind::wall;
     return FormKind::face;
   }
 
   /// Steps from this level to those around it.
   void name_steps(std::uint32_t id, const PatchLook& look) {
-    for (const Level& level : levels_around(graph_, id, sampling_)) {
+    for (const Level& level : looks_.levels_around(id)) {
       PatchNode& own = graph_.node(id);
       const std::vector<std::uint32_t>& known = own.steps_to;
       if (std::find(known.begin(), known.end(), level.patch) != known.end()) continue;
-      const PatchLook other = look_at(graph_, level.patch, sampling_);
+      const PatchLook& other = looks_.of(level.patch);
       if (!is_large(look) || !is_large(other)) continue;
       if (!is_plain(level.patch, other) || angle_between(look.plane, other.plane) > kLevelled) continue;
       if (!is_step(id, level, std::min(look.outline.all(), other.outline.all()))) continue;
@@ -205,14 +205,16 @@ private:
   }
 
   PatchGraph& graph_;
+  PatchLooks& looks_;
   const Sampling& sampling_;
   std::vector<Form>& forms_;
 };
 
 } // namespace
 
-FormKind name_forms(PatchGraph& graph, std::uint32_t id, const Sampling& sampling, std::vector<Form>& forms) {
-  return Namer(graph, sampling, forms).name(id);
+FormKind name_forms(PatchGraph& graph, std::uint32_t id, PatchLooks& looks, const Sampling& sampling,
+                    std::vector<Form>& forms) {
+  return Namer(graph, looks, sampling, forms).name(id);
 }
 
 } // namespace scansion

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "pipeline/feature/patch_graph.hpp"
+#include "pipeline/feature/patch_role.hpp"
 #include "pipeline/feature/sampling.hpp"
 
 #include <vector>
@@ -11,6 +11,7 @@ namespace scansion {
 
 /// Labels patch `id` by what it borders on, and adds the form features that are complete with it to `forms`: each once, with
 /// its floor, top or larger flank first, a step with its upper level first.
-[[nodiscard]] FormKind name_forms(PatchGraph& graph, std::uint32_t id, const Sampling& sampling, std::vector<Form>& forms);
+[[nodiscard]] FormKind name_forms(PatchGraph& graph, std::uint32_t id, PatchLooks& looks, const Sampling& sampling,
+                                  std::vector<Form>& forms);
 
 } // namespace scansion

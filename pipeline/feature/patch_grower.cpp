@@ -329,7 +329,7 @@ bool PatchGrower::is_ready(const PatchNode& node) const {
                                               [&](const auto& entry) { return graph_.node(entry.first).closed; });
 }
 
-void PatchGrower::settle(std::uint32_t id, const Sampling& sampling, FeatureReport& report) {
+void PatchGrower::settle(std::uint32_t id, PatchLooks& looks, const Sampling& sampling, FeatureReport& report) {
   PatchNode& n = graph_.node(id);
   n.settled = true;
   if (!is_real(id)) return;
@@ -341,7 +341,7 @@ void PatchGrower::settle(std::uint32_t id, const Sampling& sampling, FeatureRepo
     if (border.total() > 0.0 && other != id && is_real(other)) patch.neighbours.push_back(other);
   patch.neighbours.insert(patch.neighbours.end(), n.past.begin(), n.past.end());
   forms_.clear();
-  patch.label = name_forms(graph_, id, sampling, forms_);
+  patch.label = name_forms(graph_, id, looks, sampling, forms_);
   std::erase_if(forms_, [&](const Form& form) {
     return !std::all_of(form.patches.begin(), form.patches.end(), [&](std::uint32_t part) { return is_real(part); });
   });
@@ -364,7 +364,8 @@ void PatchGrower::close(const Sampling& sampling, bool all, FeatureReport& repor
   graph_.resolve(row_number_);
   tell_runs(all ? row_number_ : row_number_ - PatchRuns::kWait, report);
   ids_of([&](const PatchNode& n) { return all ? !n.settled : is_ready(n); });
-  for (const std::uint32_t id : ids_) settle(id, sampling, report);
+  PatchLooks looks(graph_, sampling);
+  for (const std::uint32_t id : ids_) settle(id, looks, sampling, report);
   ids_of([&](const PatchNode& n) {
     return n.settled && (all || row_number_ - n.last_row >= kForgetAtLast ||
                          std::all_of(n.borders.begin(), n.borders.end(),

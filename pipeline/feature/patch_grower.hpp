@@ -5,6 +5,7 @@
 #include "pipeline/feature/cuts.hpp"
 #include "pipeline/feature/jumps.hpp"
 #include "pipeline/feature/patch_graph.hpp"
+#include "pipeline/feature/patch_role.hpp"
 #include "pipeline/feature/patch_row.hpp"
 #include "pipeline/feature/patch_runs.hpp"
 
@@ -65,7 +66,7 @@ private:
   void close(const Sampling& sampling, bool all, FeatureReport& report);
   void dissolve(std::uint32_t id, FeatureReport& report);
   [[nodiscard]] bool is_ready(const PatchNode& node) const;
-  void settle(std::uint32_t id, const Sampling& sampling, FeatureReport& report);
+  void settle(std::uint32_t id, PatchLooks& looks, const Sampling& sampling, FeatureReport& report);
 
   Frame frame_;
   Vector3 origin_;

@@ -64,6 +64,17 @@ double low_of(const Border& border) noexcept {
   return border.length[1] + (border.height > 0.0 ? 0.0 : border.length[2]);
 }
 
+bool PatchLook::is_long() const noexcept {
+  return length >= kLong * width;
+}
+
+double angle_between(const PatchPlane& a, const PatchPlane& b) noexcept {
+  const double na = std::sqrt(1.0 + a.gs * a.gs + a.gc * a.gc), nb = std::sqrt(1.0 + b.gs * b.gs + b.gc * b.gc);
+  return kDegrees * std::acos(std::clamp((1.0 + a.gs * b.gs + a.gc * b.gc) / (na * nb), -1.0, 1.0));
+}
+
+namespace {
+
 Outline outline_of(const PatchGraph& graph, std::uint32_t id) {
   const PatchNode& node = graph.node(id);
   Outline o;
@@ -104,10 +115,6 @@ Outline outline_of(const PatchGraph& graph, std::uint32_t id) {
   return o;
 }
 
-bool PatchLook::is_long() const noexcept {
-  return length >= kLong * width;
-}
-
 PatchLook look_at(const PatchGraph& graph, std::uint32_t id, const Sampling& sampling) {
   const PatchNode& node = graph.node(id);
   PatchLook look;
@@ -129,17 +136,9 @@ PatchLook look_at(const PatchGraph& graph, std::uint32_t id, const Sampling& sam
   return look;
 }
 
-double angle_between(const PatchPlane& a, const PatchPlane& b) noexcept {
-  const double na = std::sqrt(1.0 + a.gs * a.gs + a.gc * a.gc), nb = std::sqrt(1.0 + b.gs * b.gs + b.gc * b.gc);
-  return kDegrees * std::acos(std::clamp((1.0 + a.gs * b.gs + a.gc * b.gc) / (na * nb), -1.0, 1.0));
-}
-
-namespace {
-
 class Climber {
 public:
-  Climber(const PatchGraph& graph, std::uint32_t from, const Sampling& sampling)
-      : graph_(graph), from_(from), sampling_(sampling) {}
+  Climber(const PatchGraph& graph, std::uint32_t from, PatchLooks& looks) : graph_(graph), from_(from), looks_(looks) {}
 
   std::vector<Level> levels() {
     for (const auto& [other, border] : graph_.node(from_).borders) {
@@ -155,7 +154,7 @@ private:
   /// `back`: the border of `patch` with what leads to it.
   void follow(std::uint32_t patch, const Border& back) {
     constexpr std::size_t kMostFlanks = 2;
-    const PatchLook look = look_at(graph_, patch, sampling_);
+    const PatchLook& look = looks_.of(patch);
     const bool leads_on = look.role == Role::flank || look.role == Role::strip;
     if (!leads_on || path_.size() == kMostFlanks) {
       levels_.push_back({patch, path_, first_->total(), fall_to(look.plane, back)});
@@ -181,7 +180,7 @@ private:
 
   const PatchGraph& graph_;
   std::uint32_t from_;
-  const Sampling& sampling_;
+  PatchLooks& looks_;
   const Border* first_ = nullptr;
   std::vector<std::uint32_t> path_;
   std::vector<Level> levels_;
@@ -189,8 +188,16 @@ private:
 
 } // namespace
 
-std::vector<Level> levels_around(const PatchGraph& graph, std::uint32_t id, const Sampling& sampling) {
-  return Climber(graph, id, sampling).levels();
+const PatchLook& PatchLooks::of(std::uint32_t id) {
+  const auto [at, is_new] = looks_.try_emplace(id);
+  if (is_new) at->second = look_at(graph_, id, sampling_);
+  return at->second;
+}
+
+const std::vector<Level>& PatchLooks::levels_around(std::uint32_t id) {
+  const auto [at, is_new] = levels_.try_emplace(id);
+  if (is_new) at->second = Climber(graph_, id, *this).levels();
+  return at->second;
 }
 
 } // namespace scansion

@@ -5,6 +5,7 @@
 #include "pipeline/feature/patch_graph.hpp"
 #include "pipeline/feature/sampling.hpp"
 
+#include <unordered_map>
 #include <vector>
 
 namespace scansion {
@@ -36,7 +37,6 @@ struct Outline {
 /// Where the other side falls off, and where it rises.
 [[nodiscard]] double high_of(const Border& border) noexcept;
 [[nodiscard]] double low_of(const Border& border) noexcept;
-[[nodiscard]] Outline outline_of(const PatchGraph& graph, std::uint32_t id);
 
 struct PatchLook {
   Outline outline;
@@ -45,7 +45,6 @@ struct PatchLook {
   Role role = Role::face;
   [[nodiscard]] bool is_long() const noexcept;
 };
-[[nodiscard]] PatchLook look_at(const PatchGraph& graph, std::uint32_t id, const Sampling& sampling);
 
 /// Degrees between two planes.
 [[nodiscard]] double angle_between(const PatchPlane& a, const PatchPlane& b) noexcept;
@@ -57,7 +56,21 @@ struct Level {
   double border = 0.0;             ///< mm of the other patch's border that leads there
   double fall = 0.0;               ///< mm from rim to rim beyond what both slope, above 0 when it lies lower
 };
-/// Neighbours, and what lies beyond those that are flanks or strips, up to two in a row.
-[[nodiscard]] std::vector<Level> levels_around(const PatchGraph& graph, std::uint32_t id, const Sampling& sampling);
+
+/// Looks at each patch once, for as long as the patches and their borders stay as they are.
+class PatchLooks {
+public:
+  PatchLooks(const PatchGraph& graph, const Sampling& sampling) : graph_(graph), sampling_(sampling) {}
+
+  [[nodiscard]] const PatchLook& of(std::uint32_t id);
+  /// Neighbours, and what lies beyond those that are flanks or strips, up to two in a row.
+  [[nodiscard]] const std::vector<Level>& levels_around(std::uint32_t id);
+
+private:
+  const PatchGraph& graph_;
+  const Sampling& sampling_;
+  std::unordered_map<std::uint32_t, PatchLook> looks_; // references stay good
+  std::unordered_map<std::uint32_t, std::vector<Level>> levels_;
+};
 
 } // namespace scansion
