@@ -108,7 +108,7 @@ void CrosswiseLinker::extend(std::uint32_t track, TrackEnd end, const ColumnPoin
 }
 
 void CrosswiseLinker::join(std::uint32_t into, std::uint32_t from) {
-  for (const TrackPoint& p : live_[from].points) live_[into].points.push_back(p);
+  live_[into].points.append(live_[from].points);
   vacate(from);
   note_growth(into, TrackEnd::back);
 }

@@ -4,8 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
-#include <optional>
+#include <utility>
 
 namespace scansion {
 
@@ -74,15 +75,15 @@ void Cuts::find_targets(std::span<const End> ends, double reach) {
   if (ends.empty()) return;
   const auto [first, last] =
       std::minmax_element(ends.begin(), ends.end(), [](const End& a, const End& b) { return a.c < b.c; });
-  for (const std::vector<Owned>* list : {&coming_, &passing_}) {
-    for (const Owned& owned : *list) {
-      const CutSegment& g = owned.segment;
-      if (!g.backed || g.c1 < first->c - reach || g.c0 > last->c + reach) continue;
-      const double low = std::min(g.s0, g.s1);
-      targets_.push_back({low, &owned});
-      widest_ = std::max(widest_, std::max(g.s0, g.s1) - low);
-    }
-  }
+  const auto look = [&](const Owned& owned) {
+    const CutSegment& g = owned.segment;
+    if (!g.backed || g.c1 < first->c - reach || g.c0 > last->c + reach) return;
+    const double low = std::min(g.s0, g.s1);
+    targets_.push_back({low, &owned});
+    widest_ = std::max(widest_, std::max(g.s0, g.s1) - low);
+  };
+  for (std::size_t i = next_; i < coming_.size() && coming_[i].segment.c0 <= last->c + reach; ++i) look(coming_[i]);
+  for (const Owned& owned : passing_) look(owned);
   std::sort(targets_.begin(), targets_.end(), [](const Target& a, const Target& b) { return a.low_s < b.low_s; });
 }
 
@@ -145,11 +146,20 @@ void Cuts::extend(const End& end, const Sampling& sampling) {
   add(end.s, end.c, end.s + on * end.ds, end.c + on * end.dc, end.kind, false, end.track);
 }
 
+// What was made falls in with what is coming; most of it comes last.
+void Cuts::keep() {
+  if (made_.empty()) return;
+  const auto is_before = [](const Owned& a, const Owned& b) { return a.segment.c0 < b.segment.c0; };
+  std::sort(made_.begin(), made_.end(), is_before);
+  const auto later = std::upper_bound(coming_.begin() + static_cast<std::ptrdiff_t>(next_), coming_.end(), made_.front(), is_before);
+  merged_.clear();
+  std::merge(later, coming_.end(), made_.begin(), made_.end(), std::back_inserter(merged_), is_before);
+  coming_.erase(later, coming_.end());
+  coming_.insert(coming_.end(), merged_.begin(), merged_.end());
+  made_.clear();
+}
+
 void Cuts::take(std::span<Track* const> tracks, double settled, const Sampling& sampling) {
-  const auto keep = [&] {
-    coming_.insert(coming_.end(), made_.begin(), made_.end());
-    made_.clear();
-  };
   for (const Track* track : tracks)
     if (!track->points.empty()) take_track(*track, settled);
   keep();
@@ -160,7 +170,6 @@ void Cuts::take(std::span<Track* const> tracks, double settled, const Sampling& 
   for (auto it = ready; it != ends_.end(); ++it) extend(*it, sampling);
   ends_.erase(ready, ends_.end());
   keep();
-  std::sort(coming_.begin(), coming_.end(), [](const Owned& a, const Owned& b) { return a.segment.c0 > b.segment.c0; });
 }
 
 double Cuts::complete(double settled, const Sampling& sampling) const noexcept {
@@ -170,7 +179,11 @@ double Cuts::complete(double settled, const Sampling& sampling) const noexcept {
 void Cuts::at(double last_c, double c, double pitch, std::vector<Cut>& in_line, std::vector<Cut>& across) {
   in_line.clear();
   across.clear();
-  for (; !coming_.empty() && coming_.back().segment.c0 <= c; coming_.pop_back()) passing_.push_back(coming_.back());
+  for (; next_ < coming_.size() && coming_[next_].segment.c0 <= c; ++next_) passing_.push_back(coming_[next_]);
+  if (2 * next_ > coming_.size()) {
+    coming_.erase(coming_.begin(), coming_.begin() + static_cast<std::ptrdiff_t>(next_));
+    next_ = 0;
+  }
   for (const Owned& owned : passing_) {
     const CutSegment& g = owned.segment;
     if (g.c1 < last_c) continue;
@@ -187,9 +200,11 @@ void Cuts::at(double last_c, double c, double pitch, std::vector<Cut>& in_line, 
   }
   // Nothing is asked for below c again; ends still look a little behind them.
   std::erase_if(passing_, [&](const Owned& o) { return o.segment.c1 < last_c; });
-  std::sort(in_line.begin(), in_line.end(), [](const Cut& a, const Cut& b) { return a.s < b.s; });
+  // What feature lines back comes first, so that it does not matter in which order lines were found.
+  const auto key = [](const Cut& cut) { return std::pair(cut.backed ? 0 : 1, cut.kind); };
+  std::sort(in_line.begin(), in_line.end(), [&](const Cut& a, const Cut& b) { return a.s != b.s ? a.s < b.s : key(a) < key(b); });
   std::sort(across.begin(), across.end(),
-            [](const Cut& a, const Cut& b) { return a.column != b.column ? a.column < b.column : a.backed > b.backed; });
+            [&](const Cut& a, const Cut& b) { return a.column != b.column ? a.column < b.column : key(a) < key(b); });
   across.erase(std::unique(across.begin(), across.end(), [](const Cut& a, const Cut& b) { return a.column == b.column; }),
                across.end());
 }

@@ -45,6 +45,7 @@ public:
   void restart() noexcept {
     taken_ = -1e300;
     coming_.clear();
+    next_ = 0;
     passing_.clear();
     ends_.clear();
   }
@@ -71,14 +72,17 @@ private:
   [[nodiscard]] double ahead_of(const End& end, double u) const;
   void add(double s0, double c0, double s1, double c1, BorderKind kind, bool backed, std::uint64_t track);
 
+  void keep();
+
   double taken_ = -1e300;
-  std::vector<Owned> coming_;  ///< ahead of the lines asked for, the nearest last
+  std::vector<Owned> coming_;  ///< ahead of the lines asked for, ascending c0 ...
+  std::size_t next_ = 0;       ///< ... from here on
   std::vector<Owned> passing_; ///< begun and not yet behind them
   std::vector<End> ends_;      ///< waiting for what is near them
   // While ends are made longer:
   std::vector<Target> targets_; ///< by low_s
   double widest_ = 0.0;         ///< mm along the lines, of the targets
-  std::vector<Owned> made_;
+  std::vector<Owned> made_, merged_;
 };
 
 } // namespace scansion

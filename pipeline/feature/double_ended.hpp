@@ -4,36 +4,35 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <cstdint>
+#include <cstring>
+#include <memory>
+#include <type_traits>
 #include <utility>
-#include <vector>
 
 namespace scansion {
 
-/// For values that cost little to make and to copy: those that were taken away stay behind as room. What grows at one end only
-/// holds no room at the other. A reference is good until the next value is added, and none may be given to be added.
+/// What grows at its end only holds no room in front. References are good until the next value is added, and none may be given
+/// to be added.
 template <typename T> class DoubleEnded {
+  static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);
+
 public:
   DoubleEnded() = default;
   DoubleEnded(const DoubleEnded&) = delete;
   DoubleEnded& operator=(const DoubleEnded&) = delete;
-  DoubleEnded(DoubleEnded&& other) noexcept
-      : room_(std::move(other.room_)), first_(std::exchange(other.first_, 0)), count_(std::exchange(other.count_, 0)),
-        grows_in_front_(other.grows_in_front_) {}
+  DoubleEnded(DoubleEnded&& other) noexcept { swap(other); }
   DoubleEnded& operator=(DoubleEnded&& other) noexcept {
-    std::swap(room_, other.room_);
-    first_ = std::exchange(other.first_, 0);
-    count_ = std::exchange(other.count_, 0);
-    grows_in_front_ = other.grows_in_front_;
+    swap(other);
+    other.clear();
     return *this;
   }
   ~DoubleEnded() = default;
 
   [[nodiscard]] std::size_t size() const noexcept { return count_; }
   [[nodiscard]] bool empty() const noexcept { return count_ == 0; }
-  [[nodiscard]] T* begin() noexcept { return room_.data() + first_; }
+  [[nodiscard]] T* begin() noexcept { return room_.get() + first_; }
   [[nodiscard]] T* end() noexcept { return begin() + count_; }
-  [[nodiscard]] const T* begin() const noexcept { return room_.data() + first_; }
+  [[nodiscard]] const T* begin() const noexcept { return room_.get() + first_; }
   [[nodiscard]] const T* end() const noexcept { return begin() + count_; }
   [[nodiscard]] T& operator[](std::size_t i) noexcept { return begin()[i]; }
   [[nodiscard]] const T& operator[](std::size_t i) const noexcept { return begin()[i]; }
@@ -43,14 +42,30 @@ public:
   [[nodiscard]] const T& back() const noexcept { return begin()[count_ - 1]; }
 
   void push_back(const T& value) {
-    if (first_ + count_ == room_.size()) move_to(grows_in_front_ ? Spare::around : Spare::behind);
-    room_[first_ + count_++] = value;
+    make_room(0, 1);
+    std::construct_at(end(), value);
+    ++count_;
   }
   void push_front(const T& value) {
-    grows_in_front_ = true;
-    if (first_ == 0) move_to(Spare::around);
-    room_[--first_] = value;
+    make_room(1, 0);
+    std::construct_at(begin() - 1, value);
+    --first_;
     ++count_;
+  }
+  /// Takes the values of another one, which is empty then. Moves the fewer of both.
+  void append(DoubleEnded& other) {
+    if (count_ < other.count_) {
+      other.make_room(count_, 0);
+      std::uninitialized_copy(begin(), end(), other.begin() - count_);
+      other.first_ -= count_;
+      other.count_ += count_;
+      swap(other);
+    } else {
+      make_room(0, other.count_);
+      std::uninitialized_copy(other.begin(), other.end(), end());
+      count_ += other.count_;
+    }
+    other.clear();
   }
   void pop_back() noexcept { --count_; }
   void pop_front(std::size_t count) noexcept {
@@ -63,33 +78,40 @@ public:
   }
 
 private:
-  enum class Spare : std::uint8_t { behind, around };
+  struct Free {
+    std::size_t size = 0;
+    void operator()(T* room) const noexcept { std::allocator<T>().deallocate(room, size); }
+  };
+  using Room = std::unique_ptr<T, Free>;
 
-  // To the middle of the room or to its beginning; it is made larger when half of it is full.
-  void move_to(Spare spare) {
+  void swap(DoubleEnded& other) noexcept {
+    std::swap(room_, other.room_);
+    std::swap(first_, other.first_);
+    std::swap(count_, other.count_);
+    std::swap(grows_in_front_, other.grows_in_front_);
+  }
+  [[nodiscard]] std::size_t capacity() const noexcept { return room_.get_deleter().size; }
+
+  // For so many more values in front and behind.
+  void make_room(std::size_t front, std::size_t behind) {
+    if (front > 0) grows_in_front_ = true;
+    if (front <= first_ && first_ + count_ + behind <= capacity()) return;
     constexpr std::size_t kLeast = 8;
-    const std::size_t wanted = std::max(kLeast, 2 * count_);
-    if (wanted > room_.size()) {
-      std::vector<T> room(wanted);
-      const std::size_t first = first_in(room, spare);
-      std::copy(begin(), end(), room.data() + first);
+    const std::size_t wanted = std::max(kLeast, 2 * (front + count_ + behind));
+    const std::size_t least = front + count_ + behind, size = std::max(wanted, capacity());
+    const std::size_t first = grows_in_front_ ? front + (size - least) / 2 : 0;
+    if (wanted > capacity()) {
+      Room room(std::allocator<T>().allocate(wanted), Free{wanted});
+      std::uninitialized_copy(begin(), end(), room.get() + first);
       room_ = std::move(room);
-      first_ = first;
-      return;
+    } else if (count_ > 0) {
+      std::memmove(room_.get() + first, begin(), count_ * sizeof(T));
     }
-    const std::size_t first = first_in(room_, spare);
-    if (first < first_)
-      std::copy(begin(), end(), room_.data() + first);
-    else
-      std::copy_backward(begin(), end(), room_.data() + first + count_);
     first_ = first;
   }
-  [[nodiscard]] std::size_t first_in(const std::vector<T>& room, Spare spare) const noexcept {
-    return spare == Spare::behind ? 0 : (room.size() - count_) / 2;
-  }
 
-  std::vector<T> room_;
-  std::size_t first_ = 0, count_ = 0; ///< of room_
+  Room room_;
+  std::size_t first_ = 0, count_ = 0; ///< in room_
   bool grows_in_front_ = false;
 };
 
