@@ -20,9 +20,9 @@ Pair both(double value) noexcept {
   return Pair{value, value};
 }
 
+/// Those that are missing at the ends of a track weigh nothing: loops of one length take fewer instructions.
 struct Samples {
   std::array<Pair, kMost> t{}, weight{}, value{};
-  std::size_t count = 0;
 };
 
 struct Quadratic {
@@ -34,7 +34,7 @@ struct Quadratic {
 Quadratic fit(const Samples& x, const std::array<Pair, kMost>& weight, std::size_t terms) noexcept {
   constexpr double kNothing = 1e-12; // of the first pivot
   Pair s0{}, s1{}, s2{}, s3{}, s4{}, v0{}, v1{}, v2{};
-  for (std::size_t i = 0; i < x.count; ++i) {
+  for (std::size_t i = 0; i < kMost; ++i) {
     const Pair t = x.t[i], w = weight[i], wt = w * t, wtt = wt * t;
     s0 += w;
     s1 += wt;
@@ -64,11 +64,12 @@ Quadratic fit(const Samples& x, const std::array<Pair, kMost>& weight, std::size
 }
 
 // The value in the middle, after a second round in which what is far from the first one counts less.
-Pair robust_value(const Samples& x, std::size_t terms) noexcept {
+Pair robust_value(const Samples& x, std::size_t count) noexcept {
+  const std::size_t terms = count >= 5 ? 3 : count >= 3 ? 2 : 1;
   const Quadratic first = fit(x, x.weight, terms);
-  if (x.count < 4) return first.c0;
+  if (count < 4) return first.c0;
   std::array<Pair, kMost> weight{};
-  for (std::size_t i = 0; i < x.count; ++i) {
+  for (std::size_t i = 0; i < kMost; ++i) {
     const Pair off = x.value[i] - first.at(x.t[i]);
     weight[i] = x.weight[i] / (both(1.0) + off * off * x.weight[i]);
   }
@@ -80,17 +81,17 @@ Pair robust_value(const Samples& x, std::size_t terms) noexcept {
 void smooth(Track& track, std::size_t first, std::size_t last) {
   for (std::size_t i = first; i < last; ++i) {
     TrackPoint& p = track.points[i];
-    Samples x;
     const std::size_t low = i > kReach ? i - kReach : 0, high = std::min(track.points.size() - 1, i + kReach);
     const double unit = 1.0 / std::max(1e-9, std::abs(track.points[high].r - track.points[low].r));
+    Samples x;
     for (std::size_t j = low; j <= high; ++j) {
       const TrackPoint& other = track.points[j];
       const double sigma = std::max(1e-6, other.feature.sigma_s);
-      x.t[x.count] = both((other.r - p.r) * unit);
-      x.value[x.count] = Pair{other.q - p.q, other.w - p.w};
-      x.weight[x.count++] = both(1.0 / (sigma * sigma));
+      x.t[j - low] = both((other.r - p.r) * unit);
+      x.value[j - low] = Pair{other.q - p.q, other.w - p.w};
+      x.weight[j - low] = both(1.0 / (sigma * sigma));
     }
-    const Pair smoothed = robust_value(x, x.count >= 5 ? 3 : x.count >= 3 ? 2 : 1);
+    const Pair smoothed = robust_value(x, high - low + 1);
     p.smooth_q = p.q + smoothed[0];
     p.smooth_w = p.w + smoothed[1];
   }
