@@ -73,13 +73,13 @@ Tip tip_of(const Curve& curve, bool back) {
   return t;
 }
 
-double length_of(const Curve& curve) noexcept {
+bool is_shorter(const Curve& curve, double limit) noexcept {
   double length = 0.0;
-  for (std::size_t i = 1; i < curve.points.size(); ++i) {
+  for (std::size_t i = 1; i < curve.points.size() && length < limit; ++i) {
     const CurvePoint &a = curve.points[i - 1], &b = curve.points[i];
     length += std::hypot(b.s - a.s, b.w - a.w, b.c - a.c);
   }
-  return length;
+  return length < limit;
 }
 
 } // namespace scansion

@@ -61,8 +61,8 @@ struct Tip {
 };
 [[nodiscard]] Tip tip_of(const Curve& curve, bool back);
 
-/// Length in space, mm.
-[[nodiscard]] double length_of(const Curve& curve) noexcept;
+/// Length in space against a limit in mm.
+[[nodiscard]] bool is_shorter(const Curve& curve, double limit) noexcept;
 
 /// Whether a step in plan is no longer than this.
 [[nodiscard]] inline bool is_within(double ds, double dc, double reach) noexcept {

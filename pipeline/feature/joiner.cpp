@@ -101,7 +101,7 @@ void Joiner::find_pairs(double settled, std::span<const LiveEnd> live, const Sam
       const std::size_t a = order[i], b = order[j];
       if (tips[b].c - tips[a].c > kStraight * u) break;
       if (held_[ends_[a].curve].convex != held_[ends_[b].curve].convex) continue;
-      if (ends_[a].curve == ends_[b].curve && length_of(held_[ends_[a].curve]) < 8.0 * u) continue;
+      if (ends_[a].curve == ends_[b].curve && is_shorter(held_[ends_[a].curve], 8.0 * u)) continue;
       const double cost = join_cost(tips[a], tips[b], sampling);
       if (cost >= 0.0) pairs_.push_back({cost, ends_[std::min(a, b)], ends_[std::max(a, b)]});
     }

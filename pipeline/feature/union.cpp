@@ -39,22 +39,23 @@ void Union::gather(std::span<Track* const> tracks, Pass pass, double low, double
   });
 }
 
-// Whether a kept point of another track of the same polarity stands near.
-bool Union::is_covered(const Band& band, const Near& place, double reach_s, double reach_c, By by) {
-  auto it = std::lower_bound(band.begin(), band.end(), place.s - reach_s, [](const Near& n, double s) { return n.s < s; });
-  for (; it != band.end() && it->s <= place.s + reach_s; ++it) {
-    if (it->track == place.track || std::abs(it->c - place.c) > reach_c || it->point->verdict == Verdict::dropped) continue;
-    if (it->track->convex() != place.track->convex()) continue;
-    if (by == By::any) return true;
-    if (by == By::shallow) {
-      // A steep one will be dropped itself.
-      if (!it->track->course_at(it->index).is_steeper(kShallow)) return true;
-      continue;
-    }
-    const std::size_t other = it->track->size(), own = place.track->size();
-    if (other > own || (other == own && it->track->id < place.track->id)) return true;
+bool Union::Cover::covers(const Near& place) {
+  while (first_ < band_.size() && band_[first_].s < place.s - reach_s_) ++first_;
+  for (std::size_t i = first_; i < band_.size() && band_[i].s <= place.s + reach_s_; ++i) {
+    const Near& other = band_[i];
+    if (std::abs(other.c - place.c) > reach_c_ || other.track == place.track) continue;
+    if (other.point->verdict == Verdict::dropped || other.track->convex() != place.track->convex()) continue;
+    if (outdoes(other, place)) return true;
   }
   return false;
+}
+
+bool Union::Cover::outdoes(const Near& other, const Near& place) const {
+  if (by_ == By::any) return true;
+  // A steep one will be dropped itself.
+  if (by_ == By::shallow) return !other.track->course_at(other.index).is_steeper(kShallow);
+  const std::size_t size = other.track->size(), own = place.track->size();
+  return size > own || (size == own && other.track->id < place.track->id);
 }
 
 void Union::decide(std::span<Track* const> tracks, double settled, const Sampling& sampling) {
@@ -68,20 +69,20 @@ void Union::decide(std::span<Track* const> tracks, double settled, const Samplin
   const double high = settled + 2.0 * reach;
   gather(tracks, Pass::lengthwise, low, high, lengthwise_);
   gather(tracks, Pass::crosswise, low, high, crosswise_);
+  Cover twins(lengthwise_, kBeside * sampling.pitch, 0.5 * sampling.spacing, Cover::By::longer);
+  Cover flatter(crosswise_, reach, reach, Cover::By::shallow);
   for (const Near& n : lengthwise_) {
     if (n.point->verdict != Verdict::open || n.c > settled) continue;
-    const bool steep = n.track->course_at(n.index).is_steeper(kSteep);
-    const bool twin = is_covered(lengthwise_, n, kBeside * sampling.pitch, 0.5 * sampling.spacing, By::longer);
     // The section of a rounding is so long here that its polygon shows.
     const bool weak = std::abs(n.point->feature.tau) < kShallowTurning;
-    const bool drop = twin || (!steep && (weak || is_covered(crosswise_, n, reach, reach, By::shallow)));
+    const bool drop = twins.covers(n) || (!n.track->course_at(n.index).is_steeper(kSteep) && (weak || flatter.covers(n)));
     n.point->verdict = drop ? Verdict::dropped : Verdict::kept;
   }
+  Cover side_twins(crosswise_, kBeside * sampling.pitch, kBeside * sampling.spacing, Cover::By::longer);
+  Cover found(lengthwise_, reach, reach, Cover::By::any);
   for (const Near& n : crosswise_) {
     if (n.point->verdict != Verdict::open || n.c > settled) continue;
-    const bool steep = n.track->course_at(n.index).is_steeper(kShallow);
-    const bool twin = is_covered(crosswise_, n, kBeside * sampling.pitch, kBeside * sampling.spacing, By::longer);
-    const bool drop = steep || twin || is_covered(lengthwise_, n, reach, reach, By::any);
+    const bool drop = n.track->course_at(n.index).is_steeper(kShallow) || side_twins.covers(n) || found.covers(n);
     n.point->verdict = drop ? Verdict::dropped : Verdict::kept;
   }
   decided_ = std::max(decided_, settled);

@@ -26,8 +26,23 @@ private:
   };
   using Band = std::vector<Near>; // ascending s
   void gather(std::span<Track* const> tracks, Pass pass, double low, double high, Band& out) const;
-  enum class By : std::uint8_t { any, longer, shallow };
-  [[nodiscard]] static bool is_covered(const Band& band, const Near& place, double reach_s, double reach_c, By by);
+  /// Asked for places of ascending s.
+  class Cover {
+  public:
+    enum class By : std::uint8_t { any, longer, shallow };
+    Cover(const Band& band, double reach_s, double reach_c, By by)
+        : band_(band), reach_s_(reach_s), reach_c_(reach_c), by_(by) {}
+    /// Whether a kept point of another track of the same polarity stands near.
+    [[nodiscard]] bool covers(const Near& place);
+
+  private:
+    [[nodiscard]] bool outdoes(const Near& other, const Near& place) const;
+
+    const Band& band_;
+    double reach_s_, reach_c_;
+    By by_;
+    std::size_t first_ = 0; ///< in the band: what stands before is near to nothing more
+  };
 
   double decided_ = -std::numeric_limits<double>::infinity();
   Band lengthwise_, crosswise_;
