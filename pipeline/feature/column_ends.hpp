@@ -34,7 +34,8 @@ public:
     links_[track].in = false;
   }
   /// Calls `look` with each track that ends in the column.
-  template <typename Look> void visit(std::int64_t column, const Look& look) const {
+  template <typename Look>
+  void visit(std::int64_t column, const Look& look) const {
     for (std::uint32_t t = firsts_[list_of(column)]; t != kNoTrack; t = links_[t].next)
       if (links_[t].column == column) look(t);
   }

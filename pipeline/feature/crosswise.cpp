@@ -10,7 +10,7 @@ namespace scansion {
 
 namespace {
 
-constexpr std::int64_t kReachColumns = 3; // K + 1
+constexpr std::int64_t kReachColumns = 3;                  // K + 1
 constexpr double kUnsure = kGateSteps + 0.5 * kGateSigmas; // spacings: gate of an end known to half a spacing
 constexpr double kNever = std::numeric_limits<double>::infinity();
 

@@ -151,7 +151,8 @@ void Cuts::keep() {
   if (made_.empty()) return;
   const auto is_before = [](const Owned& a, const Owned& b) { return a.segment.c0 < b.segment.c0; };
   std::sort(made_.begin(), made_.end(), is_before);
-  const auto later = std::upper_bound(coming_.begin() + static_cast<std::ptrdiff_t>(next_), coming_.end(), made_.front(), is_before);
+  const auto later =
+      std::upper_bound(coming_.begin() + static_cast<std::ptrdiff_t>(next_), coming_.end(), made_.front(), is_before);
   merged_.clear();
   std::merge(later, coming_.end(), made_.begin(), made_.end(), std::back_inserter(merged_), is_before);
   coming_.erase(later, coming_.end());
@@ -202,7 +203,8 @@ void Cuts::at(double last_c, double c, double pitch, std::vector<Cut>& in_line, 
   std::erase_if(passing_, [&](const Owned& o) { return o.segment.c1 < last_c; });
   // What feature lines back comes first, so that it does not matter in which order lines were found.
   const auto key = [](const Cut& cut) { return std::pair(cut.backed ? 0 : 1, cut.kind); };
-  std::sort(in_line.begin(), in_line.end(), [&](const Cut& a, const Cut& b) { return a.s != b.s ? a.s < b.s : key(a) < key(b); });
+  std::sort(in_line.begin(), in_line.end(),
+            [&](const Cut& a, const Cut& b) { return a.s != b.s ? a.s < b.s : key(a) < key(b); });
   std::sort(across.begin(), across.end(),
             [&](const Cut& a, const Cut& b) { return a.column != b.column ? a.column < b.column : key(a) < key(b); });
   across.erase(std::unique(across.begin(), across.end(), [](const Cut& a, const Cut& b) { return a.column == b.column; }),

@@ -13,7 +13,8 @@ namespace scansion {
 
 /// What grows at its end only holds no room in front. References are good until the next value is added, and none may be given
 /// to be added.
-template <typename T> class DoubleEnded {
+template <typename T>
+class DoubleEnded {
   static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);
 
 public:

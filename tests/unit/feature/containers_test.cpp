@@ -1,0 +1,109 @@
+// What tracks are kept in: values that grow at both ends, and tracks by the column they end in.
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/feature/column_ends.hpp"
+#include "pipeline/feature/double_ended.hpp"
+
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <map>
+#include <random>
+#include <set>
+
+namespace scansion {
+namespace {
+
+struct Value {
+  int number = 0;
+  double more = 0.5;
+};
+
+void expect_same(const DoubleEnded<Value>& got, const std::deque<int>& wanted) {
+  ASSERT_EQ(got.size(), wanted.size());
+  for (std::size_t i = 0; i < wanted.size(); ++i) ASSERT_EQ(got[i].number, wanted[i]) << i;
+  if (wanted.empty()) return;
+  EXPECT_EQ(got.front().number, wanted.front());
+  EXPECT_EQ(got.back().number, wanted.back());
+}
+
+TEST(DoubleEnded, HoldsWhatADequeHolds) {
+  std::mt19937 random(7);
+  DoubleEnded<Value> values;
+  std::deque<int> wanted;
+  for (int i = 0; i < 20'000; ++i) {
+    const auto choice = random() % 100;
+    if (choice < 40) {
+      values.push_back({i});
+      wanted.push_back(i);
+    } else if (choice < 70) {
+      values.push_front({i});
+      wanted.push_front(i);
+    } else if (choice < 98) {
+      if (wanted.empty()) continue;
+      values.pop_back();
+      wanted.pop_back();
+    } else if (choice == 98) {
+      const std::size_t count = wanted.size() / 2;
+      values.pop_front(count);
+      wanted.erase(wanted.begin(), wanted.begin() + static_cast<std::ptrdiff_t>(count));
+    } else if (random() % 8 == 0) {
+      values.clear();
+      wanted.clear();
+    }
+    expect_same(values, wanted);
+  }
+}
+
+TEST(DoubleEnded, TakesTheValuesOfAnother) {
+  for (int count = 0; count < 30; ++count) {
+    for (int more = 0; more < 30; ++more) {
+      DoubleEnded<Value> values, others;
+      std::deque<int> wanted;
+      for (int i = 0; i < count; ++i) values.push_back({i});
+      for (int i = 0; i < more; ++i) others.push_back({100 + i});
+      for (int i = 0; i < count; ++i) wanted.push_back(i);
+      for (int i = 0; i < more; ++i) wanted.push_back(100 + i);
+      values.append(others);
+      expect_same(values, wanted);
+      EXPECT_TRUE(others.empty());
+      others.push_back({1});
+      EXPECT_EQ(others.front().number, 1);
+    }
+  }
+}
+
+TEST(DoubleEnded, MovesAndLeavesNothingBehind) {
+  DoubleEnded<Value> from;
+  for (int i = 0; i < 10; ++i) from.push_front({i});
+  DoubleEnded<Value> to(std::move(from));
+  expect_same(to, {9, 8, 7, 6, 5, 4, 3, 2, 1, 0});
+  from = std::move(to);
+  EXPECT_TRUE(to.empty()); // NOLINT(bugprone-use-after-move,clang-analyzer-cplusplus.Move): that is what is tested
+  expect_same(from, {9, 8, 7, 6, 5, 4, 3, 2, 1, 0});
+}
+
+TEST(ColumnEnds, FindsEachTrackInItsLastColumnOnly) {
+  std::mt19937 random(3);
+  ColumnEnds ends;
+  std::map<std::uint32_t, std::int64_t> wanted;
+  for (int round = 0; round < 5'000; ++round) {
+    const auto track = static_cast<std::uint32_t>(random() % 50);
+    // Some columns stand so far apart that they share a list.
+    const std::int64_t column = static_cast<std::int64_t>(random() % 8) - 4 + static_cast<std::int64_t>(random() % 3) * 4096;
+    if (random() % 3 == 0) {
+      ends.take(track);
+      wanted.erase(track);
+    } else {
+      ends.put(track, column);
+      wanted[track] = column;
+    }
+    std::set<std::uint32_t> here, found;
+    for (const auto& [t, at] : wanted)
+      if (at == column) here.insert(t);
+    ends.visit(column, [&](std::uint32_t t) { EXPECT_TRUE(found.insert(t).second); });
+    ASSERT_EQ(found, here);
+  }
+}
+
+} // namespace
+} // namespace scansion
