@@ -73,16 +73,16 @@ void Cuts::find_targets(std::span<const End> ends, double reach) {
   targets_.clear();
   widest_ = 0.0;
   if (ends.empty()) return;
-  const auto [first, last] =
-      std::minmax_element(ends.begin(), ends.end(), [](const End& a, const End& b) { return a.c < b.c; });
+  const auto outer = std::minmax_element(ends.begin(), ends.end(), [](const End& a, const End& b) { return a.c < b.c; });
+  const double low_c = outer.first->c - reach, high_c = outer.second->c + reach;
   const auto look = [&](const Owned& owned) {
     const CutSegment& g = owned.segment;
-    if (!g.backed || g.c1 < first->c - reach || g.c0 > last->c + reach) return;
+    if (!g.backed || g.c1 < low_c || g.c0 > high_c) return;
     const double low = std::min(g.s0, g.s1);
     targets_.push_back({low, &owned});
     widest_ = std::max(widest_, std::max(g.s0, g.s1) - low);
   };
-  for (std::size_t i = next_; i < coming_.size() && coming_[i].segment.c0 <= last->c + reach; ++i) look(coming_[i]);
+  for (std::size_t i = next_; i < coming_.size() && coming_[i].segment.c0 <= high_c; ++i) look(coming_[i]);
   for (const Owned& owned : passing_) look(owned);
   std::sort(targets_.begin(), targets_.end(), [](const Target& a, const Target& b) { return a.low_s < b.low_s; });
 }

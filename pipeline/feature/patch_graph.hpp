@@ -5,8 +5,10 @@
 #include "pipeline/feature/cuts.hpp"
 #include "pipeline/feature/patch_shape.hpp"
 
+#include <boost/container/flat_map.hpp>
+
 #include <array>
-#include <map>
+#include <unordered_map>
 #include <vector>
 
 namespace scansion {
@@ -25,8 +27,8 @@ struct Border {
 
 struct PatchNode {
   PatchSums sums;
-  std::map<std::uint32_t, Border> borders; ///< by the other patch's id
-  double open = 0.0;                       ///< border on the end of the data, mm
+  boost::container::flat_map<std::uint32_t, Border> borders; ///< by the other patch's id
+  double open = 0.0;                                         ///< border on the end of the data, mm
   std::int64_t last_row = 0;
   double s_low = 1e300, s_high = -1e300, c_low = 1e300, c_high = -1e300;
   bool doubtful = false;
@@ -58,7 +60,8 @@ public:
   [[nodiscard]] PatchNode& node(std::uint32_t id) { return nodes_.at(id); }
   [[nodiscard]] const PatchNode& node(std::uint32_t id) const { return nodes_.at(id); }
   [[nodiscard]] bool knows(std::uint32_t id) const { return nodes_.contains(id); }
-  [[nodiscard]] const std::map<std::uint32_t, PatchNode>& nodes() const noexcept { return nodes_; }
+  /// In no order.
+  [[nodiscard]] const std::unordered_map<std::uint32_t, PatchNode>& nodes() const noexcept { return nodes_; }
   /// Both, by the ids in force, belong together from now on; `merges` says so when the one that goes was told of. Returns the
   /// id that stays.
   std::uint32_t unite(std::uint32_t a, std::uint32_t b, std::vector<PatchMerge>& merges);
@@ -66,13 +69,13 @@ public:
   void forget(std::uint32_t id);
 
 private:
-  std::map<std::uint32_t, PatchNode> nodes_;
+  std::unordered_map<std::uint32_t, PatchNode> nodes_;
   struct Alias {
     std::uint32_t into = 0;
     std::int64_t row = 0;
   };
-  std::map<std::uint32_t, std::uint32_t> aliases_;
-  std::map<std::uint32_t, Alias> past_aliases_;
+  std::unordered_map<std::uint32_t, std::uint32_t> aliases_;
+  std::unordered_map<std::uint32_t, Alias> past_aliases_;
   std::uint32_t next_ = 0;
 };
 

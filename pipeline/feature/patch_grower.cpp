@@ -355,6 +355,7 @@ void PatchGrower::close(const Sampling& sampling, bool all, FeatureReport& repor
     ids_.clear();
     for (const auto& [id, node] : graph_.nodes())
       if (which(node)) ids_.push_back(id);
+    std::sort(ids_.begin(), ids_.end());
   };
   ids_of([&](const PatchNode& n) { return !n.closed && (all || row_number_ - n.last_row > kCloseAfter); });
   for (const std::uint32_t id : ids_) graph_.node(id).closed = true;
