@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <span>
 
 namespace scansion {
@@ -50,7 +49,6 @@ bool PatchRow::take(const Profile& profile, double pitch, double base) {
   holes.clear();
   first_column = static_cast<std::int64_t>(first);
   const auto columns = static_cast<std::size_t>(last - first) + 1;
-  standing.resize(columns);
   height.resize(columns);
   const Spread spread = spread_of(s, per_mm);
   in_order = spread != Spread::any;
@@ -64,7 +62,6 @@ bool PatchRow::take(const Profile& profile, double pitch, double base) {
 
 // One sample to each column.
 void PatchRow::stand_in_order(double base) {
-  std::iota(standing.begin(), standing.end(), 0U);
   const double* from = w.data();
   float* to = height.data();
   const std::size_t columns = height.size();
@@ -74,7 +71,7 @@ void PatchRow::stand_in_order(double base) {
 void PatchRow::stand_anywhere(double pitch, double base) {
   const auto n = static_cast<std::uint32_t>(s.size());
   const double per_mm = 1.0 / pitch, shift = kPhase + static_cast<double>(first_column) - 1.0;
-  std::fill(standing.begin(), standing.end(), kNoSample);
+  standing.assign(height.size(), kNoSample);
   // Of the samples up to a column, and no further from it than a pitch, the last.
   for (std::uint32_t k = 0; k < n; ++k) {
     const auto j = static_cast<std::size_t>(std::max(0.0, s[k] * per_mm - shift));

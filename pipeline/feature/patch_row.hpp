@@ -21,7 +21,7 @@ struct PatchRow {
   double c = 0.0;           ///< mm
   std::vector<double> s, w; ///< mm
   double least_step = 0.0;  ///< mm: s advances by so much from sample to sample at least
-  bool in_order = false;    ///< column j is sample j, as far as there are columns
+  bool in_order = false;    ///< column j is sample j, as far as there are columns, and `standing` holds nothing
   std::vector<std::uint32_t> source, ends;
   std::vector<std::uint32_t> holes;    ///< samples behind which some are missing
   std::int64_t first_column = 0;       ///< of those below
@@ -33,9 +33,10 @@ struct PatchRow {
 
   [[nodiscard]] std::uint32_t at(std::int64_t column) const noexcept {
     const auto j = static_cast<std::size_t>(column - first_column); // what lies before wraps to beyond the end
-    return j < standing.size() ? standing[j] : kNoSample;
+    if (j >= height.size()) return kNoSample;
+    return in_order ? static_cast<std::uint32_t>(j) : standing[j];
   }
-  [[nodiscard]] std::int64_t end_column() const noexcept { return first_column + static_cast<std::int64_t>(standing.size()); }
+  [[nodiscard]] std::int64_t end_column() const noexcept { return first_column + static_cast<std::int64_t>(height.size()); }
 
 private:
   void stand_in_order(double base);

@@ -42,10 +42,12 @@ std::uint32_t Thinner::thin(std::vector<FeatureVertex>& vertices, double toleran
   if (!fits || vertices.size() < 3) return per_mm;
   distance_.resize(vertices.size());
   depth_.resize(vertices.size());
+  const double limit = tolerance * per_mm;
+  ranker_.set_floor(limit); // what lies within is not told apart any further
   ranker_.rank({counts_[0], counts_[1], counts_[2], {}}, distance_, depth_);
   std::size_t kept = 0;
   for (std::size_t k = 0; k < vertices.size(); ++k)
-    if (distance_[k] > tolerance * per_mm) vertices[kept++] = vertices[k];
+    if (distance_[k] > limit) vertices[kept++] = vertices[k];
   vertices.resize(kept);
   return per_mm;
 }

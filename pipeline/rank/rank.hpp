@@ -61,6 +61,7 @@ public:
             std::span<std::uint32_t> depth);
 
   [[nodiscard]] Rational resolution() const noexcept { return resolution_; }
+  void set_floor(double floor_counts) noexcept { squared_floor_ = floor_counts * floor_counts; }
 
 private:
   struct Scratch;
