@@ -103,17 +103,13 @@ Result<void> GroupDecoder::Impl::read_fitted_axis(ByteReader& from, const LineGr
     if (value != static_cast<std::int16_t>(value)) return fail(Errc::damaged, "the rest holds an impossible weight");
     w = static_cast<std::int16_t>(value);
   }
-  SCANSION_TRY(symbols.begin(from));
-  auto cursor = symbols.cursor();
-  auto& u = state.u[axis];
+  SCANSION_TRY(symbols.begin(from, rest_points));
+  std::vector<std::int32_t>& u = state.u[axis];
   if (with_above) {
     find_neighbours(group);
     fill_chord(state.known, u, rest_axes[axis].chord);
-    decode_fitted(group, state.known, neighbours, weights, rest_axes[axis], u, cursor);
-  } else {
-    decode_line_fitted(group, state.known, weights, rest_axes[axis], u, cursor);
   }
-  symbols.set(cursor);
+  take_fitted(group, state.known, with_above ? &neighbours : nullptr, weights, u, rest_axes[axis], symbols);
   if (!symbols.finish()) return fail(Errc::damaged, "the coordinates of the rest are damaged");
   return success();
 }

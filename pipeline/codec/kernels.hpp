@@ -66,7 +66,7 @@ void sizes(const std::int32_t* residual, std::uint32_t limit, std::int32_t* size
 /// token[i] = token_of(fold(values[i])) (tokens.hpp). Returns the largest.
 [[nodiscard]] std::uint8_t tokens(const std::int32_t* values, std::uint8_t* token, std::size_t n) noexcept;
 
-/// context[i] from size[i - 2], size[i - 3] and above[i]: rest_context(). `above` may be null: no line before.
+/// context[i] from size[i - 2], size[i - 3] and above[i]: rest_context(rest_doubt()). `above` may be null: no line before.
 void contexts(const std::int32_t* size, const std::int32_t* above, std::uint8_t* context, std::size_t n) noexcept;
 
 /// The baseline versions, for tests.

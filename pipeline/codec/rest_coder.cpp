@@ -29,7 +29,8 @@ void contexts_of_run(std::span<const PointIndex> vertices, const std::int32_t* s
   const PointIndex first = vertices.front();
   const PointIndex last = vertices.back();
   const auto at = [&](PointIndex i, std::int32_t size2, std::int32_t size3) {
-    context[i] = static_cast<std::uint8_t>(rest_context(size2, size3, beside == nullptr ? 0 : beside[i], beside != nullptr));
+    const std::uint32_t doubt = rest_doubt(size2, size3, beside == nullptr ? 0 : beside[i], beside != nullptr);
+    context[i] = static_cast<std::uint8_t>(rest_context(doubt));
   };
   if (last - first > 2) at(first + 2, size[first], 0);
   if (last - first > 3)

@@ -37,6 +37,11 @@ inline constexpr std::uint32_t kLargestSize = 1U << 20U;
   return static_cast<std::int32_t>(std::min(size, kLargestSize));
 }
 
+/// The same of a folded residual.
+[[nodiscard]] inline std::int32_t size_of_folded(std::uint32_t folded) noexcept {
+  return static_cast<std::int32_t>(std::min((folded >> 1U) + (folded & 1U), kLargestSize));
+}
+
 /// What stands for the size of a residual at a vertex: half of what the chord behind it rises in a sample.
 [[nodiscard]] inline std::int32_t size_of_rise(std::int32_t rise) noexcept {
   return size_of(rise) >> 1;
@@ -64,14 +69,17 @@ private:
   std::int32_t before_ = 0;
 };
 
-/// Context of a residual: the logarithm, in half octaves, of the sizes of residuals nearby: `size2` and `size3` are two and
-/// three points to the left. The one just before is left out, so that a decoder can look up the table in time.
-[[nodiscard]] inline std::uint32_t rest_context(std::int32_t size2, std::int32_t size3, std::int32_t beside,
-                                                bool has_above) noexcept {
+/// What residuals nearby say about the size of the next: `size2` and `size3` are two and three points to the left. The one just
+/// before is left out, so that a decoder can look up the table in time.
+[[nodiscard]] inline std::uint32_t rest_doubt(std::int32_t size2, std::int32_t size3, std::int32_t beside,
+                                              bool has_above) noexcept {
   const auto left = static_cast<std::uint32_t>(2 * std::max(size2, size3) + size2 + size3);
-  const std::uint32_t sum = (has_above ? left + static_cast<std::uint32_t>(beside) : 2 * left) + 1;
-  const auto octave = static_cast<std::uint32_t>(std::bit_width(sum)) - 1;
-  return 2 * octave + ((2 * sum >> octave) & 1U); // NOLINT(clang-analyzer-core.UndefinedBinaryOperatorResult): sum > 0
+  return (has_above ? left + static_cast<std::uint32_t>(beside) : 2 * left) + 1;
+}
+/// Context of a residual: the logarithm of that, in half octaves. `doubt` is not 0.
+[[nodiscard]] inline std::uint32_t rest_context(std::uint32_t doubt) noexcept {
+  const auto octave = static_cast<std::uint32_t>(std::bit_width(doubt)) - 1;
+  return 2 * octave + ((2 * doubt >> octave) & 1U); // NOLINT(clang-analyzer-core.UndefinedBinaryOperatorResult)
 }
 
 /// The chord from vertex a to the next one, b. Points on it are sums of one step, rounded down.
@@ -120,6 +128,7 @@ struct RestAxis {
   std::array<std::vector<std::int32_t>, kMeans> means; ///< RunningMeans as each point finds them; the encoder's
   std::vector<std::int64_t> above_sum;                 ///< of the line at hand, by place in it
   std::vector<std::int32_t> above_size;
+  std::vector<Chord> run_chords; ///< of the run at hand; the decoder's
 
   void resize(std::size_t points) {
     chord.resize(points);

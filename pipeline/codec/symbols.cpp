@@ -185,7 +185,7 @@ SymbolReader::SymbolReader() {
   zero_.set(all);
 }
 
-Result<void> SymbolReader::begin(ByteReader& from) {
+Result<void> SymbolReader::begin(ByteReader& from, std::size_t unheld) {
   const std::size_t tables = from.byte();
   if (!from.ok() || tables > kMaxTables) return fail(Errc::damaged, "coded integers have an impossible number of tables");
   ByteView words;
@@ -218,12 +218,12 @@ Result<void> SymbolReader::begin(ByteReader& from) {
   if (!from.ok() || words.size() < 4 * kRansStates || words.size() % 2 != 0)
     return fail(Errc::damaged, "coded integers are cut short");
   if (tables != 0) words_.assign(words.begin(), words.end());
-  words_.resize(words_.size() + 2);
+  words_.resize(words_.size() + 2 * unheld);
   cursor_.tables_ = table_of_.data();
   cursor_.state_ = load_le<std::uint32_t>(words_.data());
   cursor_.other_ = load_le<std::uint32_t>(words_.data() + 4);
   cursor_.next_ = words_.data() + 4 * kRansStates;
-  cursor_.end_ = words_.data() + words_.size() - 2;
+  cursor_.end_ = words_.data() + words_.size() - 2 * unheld;
   cursor_.bits_ = BitReader(plain);
   return success();
 }

@@ -66,36 +66,44 @@ public:
   /// The place in the array. A copy of its own stays in registers in a loop that writes to memory.
   class Cursor {
   public:
-    [[nodiscard]] std::int32_t next(std::uint32_t context) noexcept {
-      const RansDecodeTable& table = *tables_[context];
+    [[nodiscard]] const RansDecodeTable& table(std::uint32_t context) const noexcept { return *tables_[context]; }
+    /// The folded form of the next value. Part of the loop around it, which then keeps all of this in registers.
+    [[nodiscard]] __attribute__((always_inline)) std::uint32_t next(const RansDecodeTable& table) noexcept {
       const std::uint32_t slot = state_ & (kTotal - 1);
       const std::uint32_t token = table.token[slot];
       const RansDecodeTable::Entry entry = table.entries[token];
       const std::uint32_t state = entry.frequency * (state_ >> kTotalBits) + slot - entry.start;
-      const bool low = state < kRansLow;
+      // Nobody can tell beforehand when it is low, so nothing here may become a branch.
+      const std::uint32_t low = 0U - (state < kRansLow ? 1U : 0U);
       const std::uint32_t refilled = state << 16U | load_le<std::uint16_t>(next_);
       state_ = other_;
-      other_ = low ? refilled : state;
-      next_ += low ? 2 : 0;
-      next_ = std::min(next_, end_);
-      if (token < kDirectTokens) return unfold(token);
+      other_ = state ^ ((state ^ refilled) & low);
+      next_ += low & 2U;
+      if (token < kDirectTokens) return token;
       const TokenRange range = kTokenRanges[token];
-      return unfold(range.first + bits_.take(range.bits));
+      return range.first + bits_.take(range.bits);
     }
+
+    /// Goes back to the end of the bytes if it has left them.
+    void hold() noexcept { next_ = std::min(next_, end_); }
 
   private:
     friend class SymbolReader;
     const RansDecodeTable* const* tables_ = nullptr; ///< by context
     std::uint32_t state_ = 0, other_ = 0;            ///< whose turn it is, and the other
     const std::byte* next_ = nullptr;
-    const std::byte* end_ = nullptr; ///< two bytes may be read behind it
+    const std::byte* end_ = nullptr; ///< some bytes may be read behind it
     BitReader bits_;
   };
 
   SymbolReader();
-  /// Takes the array's bytes from `from`.
-  [[nodiscard]] Result<void> begin(ByteReader& from);
-  [[nodiscard]] std::int32_t next(std::uint32_t context) noexcept { return cursor_.next(context); }
+  /// Takes the array's bytes from `from`. A cursor must hold() after `unheld` values at the latest.
+  [[nodiscard]] Result<void> begin(ByteReader& from, std::size_t unheld = 1);
+  [[nodiscard]] std::int32_t next(std::uint32_t context) noexcept {
+    const std::uint32_t folded = cursor_.next(cursor_.table(context));
+    cursor_.hold();
+    return unfold(folded);
+  }
   [[nodiscard]] Cursor cursor() const noexcept { return cursor_; }
   void set(const Cursor& cursor) noexcept { cursor_ = cursor; }
   /// True when exactly the bytes given were used.

@@ -55,7 +55,7 @@ TEST(Kernels, VectorUnitsChangeNothing) {
       kernels::portable::contexts(size.data() + 8, above_size, context2.data(), n);
       EXPECT_EQ(context, context2);
       for (std::size_t i = 0; i < n; ++i) {
-        ASSERT_EQ(context[i], rest_context(size[i + 6], size[i + 5], beside[i], has_above));
+        ASSERT_EQ(context[i], rest_context(rest_doubt(size[i + 6], size[i + 5], beside[i], has_above)));
         ASSERT_LT(context[i], 48);
       }
     }
