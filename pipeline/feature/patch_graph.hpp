@@ -59,6 +59,11 @@ public:
   void forget_aliases(std::int64_t before_row);
   [[nodiscard]] PatchNode& node(std::uint32_t id) { return nodes_.at(id); }
   [[nodiscard]] const PatchNode& node(std::uint32_t id) const { return nodes_.at(id); }
+  /// Null when it was forgotten, or went into another one.
+  [[nodiscard]] PatchNode* known(std::uint32_t id) {
+    const auto at = nodes_.find(id);
+    return at != nodes_.end() ? &at->second : nullptr;
+  }
   [[nodiscard]] bool knows(std::uint32_t id) const { return nodes_.contains(id); }
   /// In no order.
   [[nodiscard]] const std::unordered_map<std::uint32_t, PatchNode>& nodes() const noexcept { return nodes_; }

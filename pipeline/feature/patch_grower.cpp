@@ -2,31 +2,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/feature/patch_grower.hpp"
 
-#include "pipeline/feature/forms.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <limits>
 
 namespace scansion {
 
 namespace {
 
-constexpr std::int64_t kCloseAfter = 2;     // rows without a sample
-constexpr double kWide = 6.0;               // columns
-constexpr double kMostlyCut = 0.4;          // share of open columns below which a wide stretch begins a patch
-constexpr std::int64_t kSettleAfter = 48;   // rows: by then small neighbours are dissolved
-constexpr std::int64_t kSettleAtLast = 256; // rows: neighbours that still grow are taken as they are
-constexpr std::int64_t kForgetAtLast = 512; // rows
-constexpr double kSmall = 25.0;             // samples: fewer are no patch
-constexpr double kFew = 120.0;              // samples: a scan is torn where patches that stay below this ...
-constexpr double kTorn = 0.42;              // ... hold so large a share of what was scanned ...
-constexpr double kLately = 64.0;            // ... in so many rows; parts reach 0.23
-constexpr double kSmallTorn = 400.0;        // samples: fewer are no patch there
-constexpr double kLarge = 100.0;            // samples: a patch that is not given up for a narrow contact
-constexpr double kNarrow = 0.25;            // of a border: a contact below this joins nothing
-constexpr double kFar = 3.6;                // spacings between rows that have nothing to do with each other
+constexpr double kWide = 6.0;      // columns
+constexpr double kMostlyCut = 0.4; // share of open columns below which a wide stretch begins a patch
+constexpr double kLarge = 100.0;   // samples: a patch that is not given up for a narrow contact
+constexpr double kNarrow = 0.25;   // of a border: a contact below this joins nothing
+constexpr double kFar = 3.6;       // spacings between rows that have nothing to do with each other
 
 } // namespace
 
@@ -284,95 +272,8 @@ void PatchGrower::queue_runs(const PatchRow& row) {
     run.first = std::min(x, y);
     run.count = std::max(x, y) - run.first + 1;
     run.patch = t.patch;
-    runs_.add(run, row_number_);
+    closer_.add(run, row_number_);
   }
-}
-
-void PatchGrower::tell_runs(std::int64_t row, FeatureReport& report) {
-  const double together = kLately * std::max(1.0, static_cast<double>(last_row_.s.size()));
-  const auto is_told = [&](const PatchRun& run) {
-    const double size = graph_.knows(run.patch) ? graph_.node(run.patch).sums.count() : 0.0;
-    torn_ += std::min(1.0, run.count / together) * ((size < kFew ? 1.0 : 0.0) - torn_);
-    return size > 0.0 && is_real(run.patch);
-  };
-  runs_.tell(row, graph_, is_told, report.runs);
-  graph_.forget_aliases(row);
-}
-
-bool PatchGrower::is_real(std::uint32_t id) {
-  PatchNode& node = graph_.node(id);
-  const double least = torn_ > kTorn ? kSmallTorn : kSmall;
-  node.real = node.real || (node.sums.count() >= least && node.c_high > node.c_low);
-  return node.real;
-}
-
-// A patch too small to be one goes to what stands nearest, again and again until it is large enough.
-void PatchGrower::dissolve(std::uint32_t id, FeatureReport& report) {
-  while (graph_.node(id).closed && graph_.node(id).sums.count() < kSmall) {
-    const std::uint32_t* nearest = nullptr;
-    double gap = std::numeric_limits<double>::infinity();
-    for (const auto& [other, border] : graph_.node(id).borders) {
-      if (other == id || border.gap >= gap || graph_.node(other).settled) continue;
-      gap = border.gap;
-      nearest = &other;
-    }
-    if (nearest == nullptr) return;
-    id = graph_.unite(id, *nearest, report.merges);
-  }
-}
-
-// What a patch is depends on what it borders on.
-bool PatchGrower::is_ready(const PatchNode& node) const {
-  const std::int64_t rows = row_number_ - node.last_row;
-  if (!node.closed || node.settled || rows < kSettleAfter) return false;
-  return rows >= kSettleAtLast || std::all_of(node.borders.begin(), node.borders.end(),
-                                              [&](const auto& entry) { return graph_.node(entry.first).closed; });
-}
-
-void PatchGrower::settle(std::uint32_t id, PatchLooks& looks, const Sampling& sampling, FeatureReport& report) {
-  PatchNode& n = graph_.node(id);
-  n.settled = true;
-  if (!is_real(id)) return;
-  Patch patch;
-  patch.id = id;
-  n.sums.describe(frame_, sampling, origin_, patch);
-  patch.doubtful = n.doubtful;
-  for (const auto& [other, border] : n.borders)
-    if (border.total() > 0.0 && other != id && is_real(other)) patch.neighbours.push_back(other);
-  patch.neighbours.insert(patch.neighbours.end(), n.past.begin(), n.past.end());
-  forms_.clear();
-  patch.label = name_forms(graph_, id, looks, sampling, forms_);
-  std::erase_if(forms_, [&](const Form& form) {
-    return !std::all_of(form.patches.begin(), form.patches.end(), [&](std::uint32_t part) { return is_real(part); });
-  });
-  std::move(forms_.begin(), forms_.end(), std::back_inserter(report.forms));
-  report.patches.push_back(std::move(patch));
-}
-
-// Patches that the last rows did not touch are done; `all`: there are no further rows.
-void PatchGrower::close(const Sampling& sampling, bool all, FeatureReport& report) {
-  const auto ids_of = [&](const auto& which) {
-    ids_.clear();
-    for (const auto& [id, node] : graph_.nodes())
-      if (which(node)) ids_.push_back(id);
-    std::sort(ids_.begin(), ids_.end());
-  };
-  ids_of([&](const PatchNode& n) { return !n.closed && (all || row_number_ - n.last_row > kCloseAfter); });
-  for (const std::uint32_t id : ids_) graph_.node(id).closed = true;
-  for (const std::uint32_t id : ids_)
-    if (graph_.knows(id)) dissolve(id, report);
-  for (Stretch& t : above_) t.patch = graph_.find(t.patch);
-  graph_.resolve(row_number_);
-  tell_runs(all ? row_number_ : row_number_ - PatchRuns::kWait, report);
-  ids_of([&](const PatchNode& n) { return all ? !n.settled : is_ready(n); });
-  PatchLooks looks(graph_, sampling);
-  for (const std::uint32_t id : ids_) settle(id, looks, sampling, report);
-  ids_of([&](const PatchNode& n) {
-    return n.settled && (all || row_number_ - n.last_row >= kForgetAtLast ||
-                         std::all_of(n.borders.begin(), n.borders.end(),
-                                     [&](const auto& entry) { return graph_.node(entry.first).settled; }));
-  });
-  for (const std::uint32_t id : ids_) graph_.forget(id);
 }
 
 void PatchGrower::assign(const PatchRow& row, const PatchRow* next, Cuts& cuts, const Sampling& sampling,
@@ -409,6 +310,14 @@ void PatchGrower::end_rows() {
   jumps_.restart();
 }
 
+void PatchGrower::close(bool is_complete, const Sampling& sampling, FeatureReport& report) {
+  const PatchProgress progress{row_number_, last_row_.s.size(), is_complete};
+  closer_.shut(graph_, progress, report);
+  for (Stretch& t : above_) t.patch = graph_.find(t.patch);
+  graph_.resolve(row_number_);
+  closer_.publish(graph_, progress, sampling, report);
+}
+
 void PatchGrower::advance(double complete, Cuts& cuts, const Sampling& sampling, FeatureReport& report) {
   while (!rows_.empty() && rows_.front().c <= complete) {
     assign(rows_.front(), rows_.size() > 1 ? &rows_[1] : nullptr, cuts, sampling, report);
@@ -416,12 +325,12 @@ void PatchGrower::advance(double complete, Cuts& cuts, const Sampling& sampling,
     last_row_ = std::move(rows_.front());
     rows_.pop_front();
   }
-  close(sampling, false, report);
+  close(false, sampling, report);
 }
 
 void PatchGrower::finish(const Sampling& sampling, FeatureReport& report) {
   end_rows();
-  close(sampling, true, report);
+  close(true, sampling, report);
 }
 
 void PatchGrower::restart() {

@@ -4,10 +4,9 @@
 
 #include "pipeline/feature/cuts.hpp"
 #include "pipeline/feature/jumps.hpp"
+#include "pipeline/feature/patch_closer.hpp"
 #include "pipeline/feature/patch_graph.hpp"
-#include "pipeline/feature/patch_role.hpp"
 #include "pipeline/feature/patch_row.hpp"
-#include "pipeline/feature/patch_runs.hpp"
 
 #include <deque>
 #include <vector>
@@ -18,7 +17,7 @@ namespace scansion {
 /// Thread-bound.
 class PatchGrower {
 public:
-  PatchGrower(const Frame& frame, const Vector3& origin) : frame_(frame), origin_(origin) {}
+  PatchGrower(const Frame& frame, const Vector3& origin) : closer_(frame, origin) {}
 
   void hold(const Profile& profile, const Sampling& sampling);
   /// Assigns the samples of all lines up to c = `complete`.
@@ -59,21 +58,11 @@ private:
   void measure_ends(const PatchRow& row);
   void end_rows();
   void queue_runs(const PatchRow& row);
-  void tell_runs(std::int64_t row, FeatureReport& report);
-  /// Is the patch large enough to be told of? Then it stays so.
-  [[nodiscard]] bool is_real(std::uint32_t id);
+  void close(bool is_complete, const Sampling& sampling, FeatureReport& report);
 
-  void close(const Sampling& sampling, bool all, FeatureReport& report);
-  void dissolve(std::uint32_t id, FeatureReport& report);
-  [[nodiscard]] bool is_ready(const PatchNode& node) const;
-  void settle(std::uint32_t id, PatchLooks& looks, const Sampling& sampling, FeatureReport& report);
-
-  Frame frame_;
-  Vector3 origin_;
   PatchGraph graph_;
+  PatchCloser closer_;
   Edge edge_;
-  PatchRuns runs_;
-  double torn_ = 0.0; // share of samples that stayed in small patches, over the last rows
   Jumps jumps_;
   std::deque<PatchRow> rows_;
   std::vector<PatchRow> spare_;
@@ -84,8 +73,6 @@ private:
   double last_c_ = -1e300;
   double pitch_ = 0.0, base_ = 0.0; // of columns, and their heights; fixed by the first row
   std::int64_t row_number_ = 0;
-  std::vector<std::uint32_t> ids_; // scratch
-  std::vector<Form> forms_;
 };
 
 } // namespace scansion
