@@ -24,10 +24,30 @@ void Border::add(const Border& other) noexcept {
   gap = std::min(gap, other.gap);
 }
 
+void PatchNode::restart() {
+  auto room = std::move(borders);
+  room.clear();
+  *this = PatchNode();
+  borders = std::move(room);
+}
+
 std::uint32_t PatchGraph::create(std::int64_t row) {
   const std::uint32_t id = next_++;
-  nodes_[id].last_row = row;
+  if (spare_.empty()) {
+    nodes_[id].last_row = row;
+    return id;
+  }
+  Nodes::node_type node = std::move(spare_.back());
+  spare_.pop_back();
+  node.key() = id;
+  node.mapped().restart();
+  node.mapped().last_row = row;
+  nodes_.insert(std::move(node));
   return id;
+}
+
+void PatchGraph::remove(Nodes::iterator at) {
+  spare_.push_back(nodes_.extract(at));
 }
 
 std::uint32_t PatchGraph::find(std::uint32_t id) const {
@@ -80,7 +100,7 @@ std::uint32_t PatchGraph::unite(std::uint32_t a, std::uint32_t b, std::vector<Pa
   to.past_inside.add(gone.past_inside);
   to.past_outside.add(gone.past_outside);
   for (const std::uint32_t id : gone.past) add_past(to.past, id);
-  nodes_.erase(at);
+  remove(at);
   aliases_[from] = into;
   return into;
 }
@@ -98,7 +118,7 @@ void PatchGraph::forget(std::uint32_t id) {
     }
     neighbour.borders.erase(mine);
   }
-  nodes_.erase(at);
+  remove(at);
 }
 
 void Edge::note(std::uint32_t a, std::uint32_t b, const Cut& cut, double length, const Vector3& at_a, const Vector3& at_b,

@@ -41,6 +41,8 @@ struct PatchNode {
   std::vector<std::uint32_t> steps_to; ///< patches with which it makes a step that is published
   static constexpr std::size_t kMostPast = 1024;
 
+  /// A new patch, in the same memory.
+  void restart();
   [[nodiscard]] bool encloses(const PatchNode& other) const noexcept {
     return other.s_low > s_low && other.s_high < s_high && other.c_low > c_low && other.c_high < c_high;
   }
@@ -74,12 +76,16 @@ public:
   void forget(std::uint32_t id);
 
 private:
-  std::unordered_map<std::uint32_t, PatchNode> nodes_;
+  using Nodes = std::unordered_map<std::uint32_t, PatchNode>;
+  void remove(Nodes::iterator at);
+
+  Nodes nodes_;
+  std::vector<Nodes::node_type> spare_; ///< of patches that are gone: most slivers live for a few rows
   struct Alias {
     std::uint32_t into = 0;
     std::int64_t row = 0;
   };
-  std::unordered_map<std::uint32_t, std::uint32_t> aliases_;
+  boost::container::flat_map<std::uint32_t, std::uint32_t> aliases_;
   std::unordered_map<std::uint32_t, Alias> past_aliases_;
   std::uint32_t next_ = 0;
 };
