@@ -6,7 +6,6 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
-#include <utility>
 
 namespace scansion {
 
@@ -25,6 +24,19 @@ BorderKind kind_of(const FeaturePoint& f) {
 // A smooth crest lies inside a patch; of a step's edges, which coincide in plan, one is enough.
 bool cuts(const TrackPoint& p) {
   return p.verdict == Verdict::kept && !p.feature.smooth && !(p.feature.step && !p.feature.convex());
+}
+
+// Cuts of one column in one number, in the order in which one of them is chosen: what feature lines back comes first, then by
+// kind, so that it does not matter in which order lines were found.
+constexpr std::int64_t kCodes = 8; // two bits of the kind, one for being backed
+
+std::int64_t code_of(const CutSegment& g) noexcept {
+  return (g.backed ? 0 : kCodes / 2) + static_cast<std::int64_t>(g.kind);
+}
+
+Cut cut_of(std::int64_t key, double pitch) noexcept {
+  const std::int64_t column = key >> 3U, code = key & (kCodes - 1);
+  return {static_cast<double>(column) * pitch, column, static_cast<BorderKind>(code & 3), code < kCodes / 2};
 }
 
 } // namespace
@@ -180,6 +192,7 @@ double Cuts::complete(double settled, const Sampling& sampling) const noexcept {
 void Cuts::at(double last_c, double c, double pitch, std::vector<Cut>& in_line, std::vector<Cut>& across) {
   in_line.clear();
   across.clear();
+  keys_.clear();
   for (; next_ < coming_.size() && coming_[next_].segment.c0 <= c; ++next_) passing_.push_back(coming_[next_]);
   if (2 * next_ > coming_.size()) {
     coming_.erase(coming_.begin(), coming_.begin() + static_cast<std::ptrdiff_t>(next_));
@@ -197,18 +210,17 @@ void Cuts::at(double last_c, double c, double pitch, std::vector<Cut>& in_line, 
     if (run <= 0.0 && !(g.c0 > last_c && g.c0 <= c)) continue;
     if (to < from) std::swap(from, to);
     for (auto j = static_cast<std::int64_t>(std::ceil(from / pitch)); static_cast<double>(j) * pitch <= to; ++j)
-      across.push_back({static_cast<double>(j) * pitch, j, g.kind, g.backed});
+      keys_.push_back(j * kCodes + code_of(g));
   }
   // Nothing is asked for below c again; ends still look a little behind them.
   std::erase_if(passing_, [&](const Owned& o) { return o.segment.c1 < last_c; });
-  // What feature lines back comes first, so that it does not matter in which order lines were found.
-  const auto key = [](const Cut& cut) { return std::pair(cut.backed ? 0 : 1, cut.kind); };
-  std::sort(in_line.begin(), in_line.end(),
-            [&](const Cut& a, const Cut& b) { return a.s != b.s ? a.s < b.s : key(a) < key(b); });
-  std::sort(across.begin(), across.end(),
-            [&](const Cut& a, const Cut& b) { return a.column != b.column ? a.column < b.column : key(a) < key(b); });
-  across.erase(std::unique(across.begin(), across.end(), [](const Cut& a, const Cut& b) { return a.column == b.column; }),
-               across.end());
+  std::sort(in_line.begin(), in_line.end(), [](const Cut& a, const Cut& b) {
+    if (a.s != b.s) return a.s < b.s;
+    return a.backed != b.backed ? a.backed : a.kind < b.kind;
+  });
+  std::sort(keys_.begin(), keys_.end());
+  for (const std::int64_t key : keys_)
+    if (across.empty() || across.back().column != key >> 3U) across.push_back(cut_of(key, pitch));
 }
 
 } // namespace scansion

@@ -83,6 +83,7 @@ private:
   std::vector<Target> targets_; ///< by low_s
   double widest_ = 0.0;         ///< mm along the lines, of the targets
   std::vector<Owned> made_, merged_;
+  std::vector<std::int64_t> keys_; ///< of cut columns
 };
 
 } // namespace scansion

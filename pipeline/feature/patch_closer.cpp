@@ -52,14 +52,14 @@ bool is_ready(const PatchGraph& graph, const PatchNode& node, const PatchProgres
 
 bool can_go(const PatchGraph& graph, const PatchNode& node, const PatchProgress& progress) {
   if (!node.settled) return false;
-  return progress.is_complete || progress.rows - node.last_row >= kForgetAtLast ||
-         all_beside(graph, node, &PatchNode::settled);
+  return progress.is_complete || progress.rows - node.last_row >= kForgetAtLast || all_beside(graph, node, &PatchNode::settled);
 }
 
 } // namespace
 
 // In the order in which patches began.
-template <typename Which> void PatchCloser::gather_ids(const PatchGraph& graph, const Which& which) {
+template <typename Which>
+void PatchCloser::gather_ids(const PatchGraph& graph, const Which& which) {
   ids_.clear();
   for (const auto& [id, node] : graph.nodes())
     if (which(node)) ids_.push_back(id);
@@ -118,7 +118,8 @@ void PatchCloser::settle(PatchGraph& graph, std::uint32_t id, PatchLooks& looks,
   forms_.clear();
   patch.label = name_forms(graph, id, looks, sampling, forms_);
   std::erase_if(forms_, [&](const Form& form) {
-    return !std::all_of(form.patches.begin(), form.patches.end(), [&](std::uint32_t part) { return is_real(graph.node(part)); });
+    return !std::all_of(form.patches.begin(), form.patches.end(),
+                        [&](std::uint32_t part) { return is_real(graph.node(part)); });
   });
   std::move(forms_.begin(), forms_.end(), std::back_inserter(report.forms));
   report.patches.push_back(std::move(patch));

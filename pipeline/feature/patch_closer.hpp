@@ -1,5 +1,5 @@
-// Ends patches: what is too small goes to its neighbours, the rest is told of with its shape and form (docs/FEATURES.md, "Patches").
-// SPDX-License-Identifier: Apache-2.0
+// Ends patches: what is too small goes to its neighbours, the rest is told of with its shape and form (docs/FEATURES.md,
+// "Patches"). SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "pipeline/feature/patch_graph.hpp"
@@ -12,9 +12,9 @@ namespace scansion {
 
 /// How far the scan has come.
 struct PatchProgress {
-  std::int64_t rows = 0;     ///< assigned so far
-  std::size_t samples = 0;   ///< of the last one
-  bool is_complete = false;  ///< there are no further rows
+  std::int64_t rows = 0;    ///< assigned so far
+  std::size_t samples = 0;  ///< of the last one
+  bool is_complete = false; ///< there are no further rows
 };
 
 /// Works on a graph, always the same one: first shut(), then, when nobody holds an id from before any more, publish().
@@ -27,11 +27,13 @@ public:
   void add(const PatchRun& run, std::int64_t row) { runs_.add(run, row); }
   /// Patches that the last rows did not touch are done; small ones are dissolved.
   void shut(PatchGraph& graph, const PatchProgress& progress, FeatureReport& report);
-  /// Tells of runs that have waited long enough, and of patches that are done and whose neighbours are; forgets what is told of.
+  /// Tells of runs that have waited long enough, and of patches that are done and whose neighbours are; forgets what is told
+  /// of.
   void publish(PatchGraph& graph, const PatchProgress& progress, const Sampling& sampling, FeatureReport& report);
 
 private:
-  template <typename Which> void gather_ids(const PatchGraph& graph, const Which& which);
+  template <typename Which>
+  void gather_ids(const PatchGraph& graph, const Which& which);
   void tell_runs(PatchGraph& graph, const PatchProgress& progress, FeatureReport& report);
   /// Is the patch large enough to be told of? Then it stays so.
   [[nodiscard]] bool is_real(PatchNode& node) const;
