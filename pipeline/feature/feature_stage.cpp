@@ -31,7 +31,8 @@ struct FeatureStage::Impl {
 
   void take(const LineGroup& group, const ScanLine& line, std::span<const double> distance, RawLine& out) const;
   void begin(FeatureReport& report);
-  void process(const RawLine& line, FeatureReport& report);
+  /// False: the line is left out.
+  [[nodiscard]] bool process(const RawLine& line, FeatureReport& report);
   void publish(FeatureReport& report);
   /// The sampling in which features are looked for.
   [[nodiscard]] Sampling looked_at() const { return averages ? pair_estimator.value() : estimator.value(); }
@@ -87,14 +88,15 @@ void FeatureStage::Impl::begin(FeatureReport& report) {
     average_pairs(profile, estimator.value(), ranker, pairs);
     pair_estimator.add(pairs);
   }
-  for (const RawLine& line : waiting) process(line, report);
+  for (const RawLine& line : waiting)
+    if (process(line, report)) patches->hold(profile, estimator.value());
   waiting.clear();
 }
 
-void FeatureStage::Impl::process(const RawLine& line, FeatureReport& report) {
+bool FeatureStage::Impl::process(const RawLine& line, FeatureReport& report) {
   constexpr double kSamePlace = 0.3; // spacings
   make_profile(line, resolution, *frame, profile);
-  if (profile.size() < 2) return;
+  if (profile.size() < 2) return false;
   const Sampling sampling = estimator.value();
   if (last_c && profile.c < *last_c - kSamePlace * sampling.spacing) {
     finder.finish(looked_at(), FeatureEnd::gap, curves);
@@ -105,16 +107,16 @@ void FeatureStage::Impl::process(const RawLine& line, FeatureReport& report) {
     junctions.restart();
   } else if (last_c && profile.c - *last_c < kSamePlace * sampling.spacing) {
     ++refused;
-    return;
+    return false;
   }
   last_c = profile.c;
   clean_spikes(profile, sampling.noise, averages ? nullptr : &ranker);
   if (averages) average_pairs(profile, sampling, ranker, pairs);
   finder.add(averages ? pairs : profile, looked_at(), curves);
-  patches->hold(profile, sampling);
   junctions.add_row(profile);
   // By lines and not by groups: what is found must not depend on how lines are grouped.
   if (finder.has_settled()) publish(report);
+  return true;
 }
 
 void FeatureStage::Impl::publish(FeatureReport& report) {
@@ -142,9 +144,10 @@ void FeatureStage::add(const LineGroup& group, std::span<const double> distance,
   for (const ScanLine& line : group.lines) {
     m.take(group, line, distance, m.raw);
     if (m.frame) {
-      m.process(m.raw, report);
+      const bool taken = m.process(m.raw, report);
       m.estimator.add(m.profile);
       if (m.averages) m.pair_estimator.add(m.pairs);
+      if (taken) m.patches->hold(m.profile, m.estimator.value());
       continue;
     }
     if (m.raw.distance.empty()) continue; // says nothing about the frame, and lines may stay empty for ever

@@ -18,7 +18,7 @@ constexpr double kFar = 3.6;       // spacings between rows that have nothing to
 
 } // namespace
 
-void PatchGrower::hold(const Profile& profile, const Sampling& sampling) {
+void PatchGrower::hold(Profile& profile, const Sampling& sampling) {
   if (profile.size() == 0) return;
   if (pitch_ == 0.0) {
     pitch_ = sampling.pitch;

@@ -19,7 +19,8 @@ class PatchGrower {
 public:
   PatchGrower(const Frame& frame, const Vector3& origin) : closer_(frame, origin) {}
 
-  void hold(const Profile& profile, const Sampling& sampling);
+  /// Takes the samples of the profile, which is nobody's afterwards.
+  void hold(Profile& profile, const Sampling& sampling);
   /// Assigns the samples of all lines up to c = `complete`.
   void advance(double complete, Cuts& cuts, const Sampling& sampling, FeatureReport& report);
   /// All lines are assigned: closes every patch.

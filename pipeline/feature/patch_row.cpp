@@ -35,17 +35,17 @@ Spread spread_of(std::span<const double> s, double per_mm) noexcept {
 
 } // namespace
 
-bool PatchRow::take(const Profile& profile, double pitch, double base) {
+bool PatchRow::take(Profile& profile, double pitch, double base) {
   if (profile.size() == 0) return false;
   const double per_mm = 1.0 / pitch;
   const double first = std::ceil(profile.s.front() * per_mm - kPhase), last = std::floor(profile.s.back() * per_mm + kPhase);
   if (!(last >= first) || last - first >= kMostColumns) return false;
   line = profile.line;
   c = profile.c;
-  s.assign(profile.s.begin(), profile.s.end());
-  w.assign(profile.w.begin(), profile.w.end());
-  source.assign(profile.source.begin(), profile.source.end());
-  ends.assign(profile.ends.begin(), profile.ends.end());
+  s.swap(profile.s);
+  w.swap(profile.w);
+  source.swap(profile.source);
+  ends.swap(profile.ends);
   holes.clear();
   first_column = static_cast<std::int64_t>(first);
   const auto columns = static_cast<std::size_t>(last - first) + 1;

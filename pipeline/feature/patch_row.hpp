@@ -28,8 +28,9 @@ struct PatchRow {
   std::vector<std::uint32_t> standing; ///< sample that stands there, or kNoSample
   std::vector<float> height;           ///< its w above `base`, mm, or NaN
 
-  /// False when the row has no column, or too many: it cannot be part of a patch.
-  [[nodiscard]] bool take(const Profile& profile, double pitch, double base);
+  /// Takes the samples and leaves its own in their place. False when the row has no column, or too many: it cannot be part of a
+  /// patch.
+  [[nodiscard]] bool take(Profile& profile, double pitch, double base);
 
   [[nodiscard]] std::uint32_t at(std::int64_t column) const noexcept {
     const auto j = static_cast<std::size_t>(column - first_column); // what lies before wraps to beyond the end
