@@ -29,6 +29,14 @@ double join_cost(const Tip& a, const Tip& b, const Sampling& sampling) {
   return turn > 0.82 && ahead > 0.82 ? gap : kNo;
 }
 
+bool is_any_near(std::span<const LiveEnd> live, const CurvePoint& p, bool convex, double reach) {
+  const double around = 1.001 * reach; // what is_within decides is not decided by rounding here
+  auto e = std::lower_bound(live.begin(), live.end(), p.c - around, [](const LiveEnd& a, double c) { return a.c < c; });
+  for (; e != live.end() && e->c <= p.c + around; ++e)
+    if (e->convex == convex && is_within(e->s - p.s, e->c - p.c, reach)) return true;
+  return false;
+}
+
 const CurveEnd& end_of(const Curve& curve, bool back) noexcept {
   return back ? curve.back : curve.front;
 }
@@ -84,10 +92,7 @@ void Joiner::find_pairs(double settled, std::span<const LiveEnd> live, const Sam
       const CurvePoint& p = back ? curve.points.back() : curve.points.front();
       const CurveEnd& end = end_of(curve, back);
       if (curve.loop || end.seam || end.awaits != 0 || p.c + kSettled * u > settled) continue;
-      const bool waits = std::any_of(live.begin(), live.end(), [&](const LiveEnd& e) {
-        return e.convex == curve.convex && is_within(e.s - p.s, e.c - p.c, kStraight * u);
-      });
-      if (waits) continue;
+      if (is_any_near(live, p, curve.convex, kStraight * u)) continue;
       ends_.push_back({i, back});
       tips.push_back(tip_of(curve, back));
     }

@@ -23,7 +23,8 @@ public:
   static constexpr std::size_t kMostHeld = std::size_t{1} << 18U; ///< points: above this the oldest curves no longer wait
 
   void take(Curve curve);
-  /// Joins what is settled up to c = `settled` and moves finished curves to `out`. `live`: ends of tracks that still grow.
+  /// Joins what is settled up to c = `settled` and moves finished curves to `out`. `live`: ends of tracks that still grow,
+  /// ascending c.
   void advance(double settled, std::span<const LiveEnd> live, const Sampling& sampling, std::vector<Curve>& out);
   /// Points that wait.
   [[nodiscard]] std::size_t held_points() const noexcept;

@@ -63,8 +63,9 @@ FeatureLine Publisher::publish(const Curve& curve, const Frame& frame, const Sam
   Spread delta, beta, tau, width;
   double sharpness = 0.0;
   std::size_t guided = 0;
-  std::vector<std::uint64_t> rows;
-  std::vector<double> widths;
+  rows_.clear();
+  widths_.clear();
+  line.vertices.reserve(curve.points.size());
   // The point at a seam is told of in the piece that went out before.
   const std::size_t first = curve.front.seam ? 1 : 0, last = curve.points.size() - (curve.back.seam ? 1 : 0);
   for (std::size_t k = 0; k < curve.points.size(); ++k) {
@@ -80,17 +81,17 @@ FeatureLine Publisher::publish(const Curve& curve, const Frame& frame, const Sam
     beta.add(p.feature.orientation());
     tau.add(p.feature.tau);
     width.add(p.feature.width);
-    widths.push_back(p.feature.width);
+    widths_.push_back(p.feature.width);
     sharpness += p.feature.sharpness;
     guided += p.feature.guided ? 1 : 0;
-    rows.push_back(p.feature.line);
+    rows_.push_back(p.feature.line);
     ++line.elements[static_cast<std::size_t>(p.feature.element)];
   }
-  const auto n = static_cast<double>(rows.size());
-  std::sort(rows.begin(), rows.end());
-  line.scan_lines = static_cast<std::uint64_t>(std::unique(rows.begin(), rows.end()) - rows.begin());
-  const auto middle = widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 2);
-  std::nth_element(widths.begin(), middle, widths.end());
+  const auto n = static_cast<double>(rows_.size());
+  std::sort(rows_.begin(), rows_.end());
+  line.scan_lines = static_cast<std::uint64_t>(std::unique(rows_.begin(), rows_.end()) - rows_.begin());
+  const auto middle = widths_.begin() + static_cast<std::ptrdiff_t>(widths_.size() / 2);
+  std::nth_element(widths_.begin(), middle, widths_.end());
   line.level = alpha.width(least_distance(sampling.noise) * std::exp2(*middle));
   line.per_mm = thinner_.thin(line.vertices, kTolerance * sampling.coarse());
   line.length_mm = length_of(line.vertices);

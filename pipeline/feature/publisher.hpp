@@ -7,9 +7,11 @@
 #include "pipeline/feature/thinning.hpp"
 #include "pipeline/model/alpha_set.hpp"
 
+#include <vector>
+
 namespace scansion {
 
-/// Thread-bound.
+/// Thread-bound: holds scratch.
 class Publisher {
 public:
   /// `origin` in mm.
@@ -19,6 +21,8 @@ public:
 private:
   Vector3 origin_;
   Thinner thinner_;
+  std::vector<std::uint64_t> rows_;
+  std::vector<double> widths_;
 };
 
 } // namespace scansion
