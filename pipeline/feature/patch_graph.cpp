@@ -121,10 +121,10 @@ void PatchGraph::forget(std::uint32_t id) {
   remove(at);
 }
 
-void Edge::note(std::uint32_t a, std::uint32_t b, const Cut& cut, double length, const Vector3& at_a, const Vector3& at_b,
-                PatchGraph& graph) {
+void Edge::note(const PatchAtHand& a, const PatchAtHand& b, const Cut& cut, double length, const Vector3& at_a,
+                const Vector3& at_b) {
   constexpr double kFar = 1e300;
-  if (!empty_ && (a != a_ || b != b_)) flush(graph);
+  if (!empty_ && (a.id != a_.id || b.id != b_.id)) flush();
   if (empty_) {
     a_ = a;
     b_ = b;
@@ -145,15 +145,15 @@ void Edge::note(std::uint32_t a, std::uint32_t b, const Cut& cut, double length,
   gap_ = std::min(gap_, square);
 }
 
-void Edge::flush(PatchGraph& graph) {
+void Edge::flush() {
   if (empty_) return;
   empty_ = true;
   border_.gap = std::sqrt(gap_);
-  graph.node(a_).borders[b_].add(border_);
-  if (a_ == b_) return; // a crease that ends inside a patch is one border, not two
+  a_.node->borders[b_.id].add(border_);
+  if (a_.id == b_.id) return; // a crease that ends inside a patch is one border, not two
   border_.rim = rim_;
   border_.height = -border_.height;
-  graph.node(b_).borders[a_].add(border_);
+  b_.node->borders[a_.id].add(border_);
 }
 
 } // namespace scansion

@@ -90,16 +90,22 @@ private:
   std::uint32_t next_ = 0;
 };
 
-/// What two patches share along successive samples; goes to the graph when others follow. Thread-bound.
+/// A patch at hand: good until patches are united or forgotten.
+struct PatchAtHand {
+  std::uint32_t id = 0;
+  PatchNode* node = nullptr;
+};
+
+/// What two patches share along successive samples; goes to them when others follow. Thread-bound.
 class Edge {
 public:
   /// `length` mm of a cut between a sample of `a` and one of `b`, as (s, c, w).
-  void note(std::uint32_t a, std::uint32_t b, const Cut& cut, double length, const Vector3& at_a, const Vector3& at_b,
-            PatchGraph& graph);
-  void flush(PatchGraph& graph);
+  void note(const PatchAtHand& a, const PatchAtHand& b, const Cut& cut, double length, const Vector3& at_a,
+            const Vector3& at_b);
+  void flush();
 
 private:
-  std::uint32_t a_ = 0, b_ = 0;
+  PatchAtHand a_, b_;
   bool empty_ = true;
   Border border_;               ///< as a has it
   std::array<double, 3> rim_{}; ///< of b

@@ -201,7 +201,8 @@ void PatchGrower::measure(const PatchRow& row, const Sampling& sampling) {
   for (std::size_t i = 0; i < now_.size(); ++i) {
     Stretch& t = now_[i];
     t.patch = graph_.find(t.patch);
-    PatchNode& n = graph_.node(t.patch);
+    t.node = &graph_.node(t.patch);
+    PatchNode& n = *t.node;
     const std::size_t count = t.last - t.first + 1;
     n.sums.add({row.s.data() + t.first, count}, {row.w.data() + t.first, count}, row.c);
     n.last_row = row_number_;
@@ -218,15 +219,15 @@ void PatchGrower::measure(const PatchRow& row, const Sampling& sampling) {
     if (!t.cut_before) {
       if (left == t.patch) continue; // samples that are missing inside a patch
       n.open += sampling.spacing;
-      graph_.node(left).open += sampling.spacing;
+      now_[i - 1].node->open += sampling.spacing;
       continue;
     }
     if (t.held) continue;
     const std::uint32_t before = now_[i - 1].last;
-    edge_.note(t.patch, left, t.cut, sampling.spacing, {row.s[t.first], row.c, row.w[t.first]},
-               {row.s[before], row.c, row.w[before]}, graph_);
+    edge_.note(t.at_hand(), now_[i - 1].at_hand(), t.cut, sampling.spacing, {row.s[t.first], row.c, row.w[t.first]},
+               {row.s[before], row.c, row.w[before]});
   }
-  edge_.flush(graph_);
+  edge_.flush();
 }
 
 // Borders across the lines: columns that are cut, with the patch on either side.
@@ -237,10 +238,10 @@ void PatchGrower::measure_across(const PatchRow& row) {
     if (before == PatchRow::kNoSample || now == PatchRow::kNoSample) continue;
     while (above_[a].last < before) ++a;
     while (now_[b].last < now) ++b;
-    edge_.note(now_[b].patch, above_[a].patch, cut, pitch_, {row.s[now], row.c, row.w[now]},
-               {last_row_.s[before], last_row_.c, last_row_.w[before]}, graph_);
+    edge_.note(now_[b].at_hand(), above_[a].at_hand(), cut, pitch_, {row.s[now], row.c, row.w[now]},
+               {last_row_.s[before], last_row_.c, last_row_.w[before]});
   }
-  edge_.flush(graph_);
+  edge_.flush();
 }
 
 // Columns beyond the ends of one of two rows, where the other goes on. Samples that are missing inside a row are no end.
@@ -287,7 +288,10 @@ void PatchGrower::assign(const PatchRow& row, const PatchRow* next, Cuts& cuts, 
   find_contacts();
   if (hold_borders(row, sampling)) find_contacts();
   link(sampling, report);
-  for (Stretch& t : above_) t.patch = graph_.find(t.patch);
+  for (Stretch& t : above_) {
+    t.patch = graph_.find(t.patch);
+    t.node = &graph_.node(t.patch);
+  }
   follow_cuts();
   measure(row, sampling);
   if (begins) {

@@ -34,11 +34,13 @@ private:
   struct Stretch {
     std::uint32_t first = 0, last = 0; // samples, both included
     std::uint32_t patch = 0;
+    PatchNode* node = nullptr; // of the patch, while the borders of a row are measured
     double s_low = 0.0, s_high = 0.0;
     bool cut_before = false; // by a feature line or a wall, else by the end of the data
     bool held = false;       // the cut was not seen, but known from the row before
     double drift = 0.0;      // of the cut, mm a row
     Cut cut;
+    [[nodiscard]] PatchAtHand at_hand() const noexcept { return {patch, node}; }
   };
   struct Contact {
     std::size_t stretch = 0, above = 0;
