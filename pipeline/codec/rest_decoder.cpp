@@ -82,8 +82,8 @@ void add_predictions(const RunToTake& run, const Weights& weights, std::int32_t*
     std::int64_t on_chord = std::int64_t{u[i]} * (std::int64_t{1} << Chord::kStepBits);
     move_on(i, 0);
     for (++i; i < end; ++i) {
-      const std::int64_t others = (kAbove ? run.sum[i] : 0) + (std::int64_t{1} << (kWeightBits - 1)) +
-                                  w[kLeft] * means.fast + w[kLeft + 1] * means.slow;
+      const std::int64_t others = (kAbove ? run.sum[i] : 0) + (std::int64_t{1} << (kWeightBits - 1)) + w[kLeft] * means.fast +
+                                  w[kLeft + 1] * means.slow;
       const std::int32_t off = wrap(((others + weighed[0]) >> kWeightBits) + u[i]); // what is known last comes last
       on_chord += step;
       u[i] = wrap((on_chord >> Chord::kStepBits) + off);
@@ -95,8 +95,8 @@ void add_predictions(const RunToTake& run, const Weights& weights, std::int32_t*
 }
 
 // The vertices of the first of some runs, and the chords between them.
-std::span<const PointIndex> first_run(std::span<const PointIndex> vertices, PointIndex last,
-                                      std::span<const std::int32_t> u, std::vector<Chord>& chords) {
+std::span<const PointIndex> first_run(std::span<const PointIndex> vertices, PointIndex last, std::span<const std::int32_t> u,
+                                      std::vector<Chord>& chords) {
   chords.clear();
   for (; vertices[chords.size()] != last;) {
     const std::size_t v = chords.size();

@@ -22,22 +22,12 @@ bool is_similar(const FeaturePoint& a, const FeaturePoint& b) noexcept {
 
 } // namespace
 
-Expectation expect(const Axis& axis, double r, double pitch, double noise, double sigma_q) noexcept {
-  const double dr = r - axis.r;
-  Expectation e;
-  e.q = axis.q + axis.slope_q * dr;
-  e.w = axis.w + axis.slope_w * dr;
-  e.gate_q = std::abs(dr) * axis.widening + kGateSteps * pitch + kGateSigmas * sigma_q;
-  e.gate_w = 1.2 * std::abs(dr) + 6.0 * noise + 0.4 * pitch;
-  return e;
-}
-
 std::optional<double> link_cost(const Track& track, const FeaturePoint& last, const Expectation& expected,
                                 const FeaturePoint& point, double q, double w, Linking linking) noexcept {
-  const double dq = (q - expected.q) / expected.gate_q, dw = (w - expected.w) / expected.gate_w;
-  if (std::abs(dq) > 1.0 || std::abs(dw) > 1.0) return std::nullopt;
+  const double off_q = q - expected.q, off_w = w - expected.w;
+  if (std::abs(off_q) > expected.gate_q || std::abs(off_w) > expected.gate_w) return std::nullopt;
   if (point.convex() != track.convex()) return std::nullopt;
-  double cost = square(dq) + square(dw);
+  double cost = square(off_q / expected.gate_q) + square(off_w / expected.gate_w);
   if (linking == Linking::paper) {
     if (!is_similar(last, point)) return std::nullopt;
     return cost;

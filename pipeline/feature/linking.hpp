@@ -6,6 +6,7 @@
 #include "pipeline/feature/settings.hpp"
 #include "pipeline/feature/track.hpp"
 
+#include <cmath>
 #include <optional>
 
 namespace scansion {
@@ -19,7 +20,15 @@ struct Expectation {
 inline constexpr double kGateSteps = 0.6, kGateSigmas = 2.0;
 
 /// `pitch` is the sampling step along q.
-[[nodiscard]] Expectation expect(const Axis& axis, double r, double pitch, double noise, double sigma_q) noexcept;
+[[nodiscard]] inline Expectation expect(const Axis& axis, double r, double pitch, double noise, double sigma_q) noexcept {
+  const double dr = r - axis.r, way = std::abs(dr);
+  Expectation e;
+  e.q = axis.q + axis.slope_q * dr;
+  e.w = axis.w + axis.slope_w * dr;
+  e.gate_q = way * axis.widening + kGateSteps * pitch + kGateSigmas * sigma_q;
+  e.gate_w = 1.2 * way + 6.0 * noise + 0.4 * pitch;
+  return e;
+}
 
 /// The cost of continuing `track` with `point` at place q; empty: it does not. Below kMostCost.
 [[nodiscard]] std::optional<double> link_cost(const Track& track, const FeaturePoint& last, const Expectation& expected,

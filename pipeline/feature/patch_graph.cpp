@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 namespace scansion {
 
@@ -25,10 +26,12 @@ void Border::add(const Border& other) noexcept {
 }
 
 void PatchNode::restart() {
-  auto room = std::move(borders);
+  decltype(borders) room;
+  room.swap(borders);
+  std::destroy_at(this);
+  std::construct_at(this);
   room.clear();
-  *this = PatchNode();
-  borders = std::move(room);
+  borders.swap(room);
 }
 
 std::uint32_t PatchGraph::create(std::int64_t row) {

@@ -41,7 +41,7 @@ struct PatchNode {
   std::vector<std::uint32_t> steps_to; ///< patches with which it makes a step that is published
   static constexpr std::size_t kMostPast = 1024;
 
-  /// A new patch, in the same memory.
+  /// A new patch in the same memory, with room for as many borders.
   void restart();
   [[nodiscard]] bool encloses(const PatchNode& other) const noexcept {
     return other.s_low > s_low && other.s_high < s_high && other.c_low > c_low && other.c_high < c_high;
