@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/feature/flank.hpp"
 
+#include "pipeline/feature/line_sums.hpp"
+
 #include <cmath>
 #include <limits>
 
@@ -9,49 +11,33 @@ namespace scansion {
 
 namespace {
 
-struct Sums {
-  double n = 0.0, u = 0.0, v = 0.0, uu = 0.0, uv = 0.0, vv = 0.0;
-  void add(double du, double dv, double sign) noexcept {
-    n += sign;
-    u += sign * du;
-    v += sign * dv;
-    uu += sign * du * du;
-    uv += sign * du * dv;
-    vv += sign * dv * dv;
-  }
-};
-
 constexpr double kTelling = 53.0; // a straight stretch of the root of this times radius and noise is no arc, though cut aslant
 constexpr std::uint32_t kBeyond = 3; // samples by which the end of a rounding may be missed
 
 // The samples from an edge outwards.
 struct Side {
-  const Heights& h;
-  std::uint32_t from;
-  bool left;
+  const double* s;
+  const double* w;
+  std::ptrdiff_t step; // to the next sample: 1, or -1 to the left
   std::uint32_t count;
 
-  [[nodiscard]] std::uint32_t sample(std::uint32_t i) const noexcept { return left ? from - i : from + i; }
-  [[nodiscard]] double s0() const noexcept { return h.s[from]; }
-  [[nodiscard]] double w0() const noexcept { return h.w[from]; }
-  [[nodiscard]] double u(std::uint32_t i) const noexcept { return h.s[sample(i)] - h.s[from]; }
-  [[nodiscard]] double v(std::uint32_t i) const noexcept { return h.w[sample(i)] - h.w[from]; }
-  [[nodiscard]] double length(std::uint32_t i, std::uint32_t j) const noexcept {
-    return std::abs(h.s[sample(j)] - h.s[sample(i)]);
-  }
-  void add(Sums& sums, std::uint32_t i, double sign) const noexcept { sums.add(u(i), v(i), sign); }
+  [[nodiscard]] double s_at(std::uint32_t i) const noexcept { return s[step * static_cast<std::ptrdiff_t>(i)]; }
+  [[nodiscard]] double w_at(std::uint32_t i) const noexcept { return w[step * static_cast<std::ptrdiff_t>(i)]; }
+  [[nodiscard]] double u(std::uint32_t i) const noexcept { return s_at(i) - *s; }
+  [[nodiscard]] double v(std::uint32_t i) const noexcept { return w_at(i) - *w; }
+  [[nodiscard]] double length(std::uint32_t i, std::uint32_t j) const noexcept { return std::abs(s_at(j) - s_at(i)); }
 };
 
 // A broken line against an arc that leaves the flank smoothly, both with the best place to leave it.
 bool is_hinged(const Side& outside, const Flank& flank, double sigma) noexcept {
   constexpr double kClearly = 2.0; // twice the least log likelihood
   // The sample at the edge itself tells most.
-  const Side side{outside.h, outside.left ? outside.from + 1 : outside.from - 1, outside.left, outside.count + 1};
+  const Side side{outside.s - outside.step, outside.w - outside.step, outside.step, outside.count + 1};
   const std::uint32_t gap = flank.gap + 1;
   const double norm = 1.0 / std::sqrt(1.0 + flank.slope * flank.slope);
   const std::uint32_t last = std::min(side.count - 1, gap + kBeyond);
   const std::uint32_t earliest = gap > kBeyond ? gap - kBeyond : 1;
-  const double slope = flank.slope, height = side.w0() - flank.at(side.s0());
+  const double slope = flank.slope, height = *side.w - flank.at(*side.s);
   // In the frame of the flank: x along it from the edge, v off it. Sums over what lies before the place to leave.
   double n = 0.0, x1 = 0.0, x2 = 0.0, x3 = 0.0, x4 = 0.0, v1 = 0.0, xv = 0.0, xxv = 0.0;
   double line = 0.0, arc = 0.0; // most that a fit takes off the sum of squares
@@ -101,29 +87,24 @@ private:
   bool any_ = false;
 };
 
-// A stretch of samples that moves away from the edge.
+// Least squares over a stretch of samples that moves away from the edge.
 class Stretch {
 public:
-  Stretch(const Side& side, std::uint32_t gap, std::uint32_t size, double sigma)
-      : side_(side), size_(size), gap_(gap), n_(size), share_(1.0 / n_) {
-    for (std::uint32_t i = gap; i < gap + size; ++i) side_.add(sums_, i, 1.0);
+  Stretch(const Side& side, std::uint32_t size, double sigma) : side_(side), size_(size), share_(1.0 / size) {
     // Residuals of a straight flank stay below this with a chance of about one in a thousand.
-    limit_ = sigma * sigma * (n_ - 2.0 + 3.1 * std::sqrt(2.0 * std::max(1.0, n_ - 2.0)));
-    measure();
+    const double freedom = size - 2.0;
+    limit_ = sigma * sigma * (freedom + 3.1 * std::sqrt(2.0 * std::max(1.0, freedom)));
   }
-  [[nodiscard]] bool fits() const noexcept { return gap_ + size_ <= side_.count; }
-  void move() noexcept {
-    side_.add(sums_, gap_, -1.0);
-    if (++gap_ + size_ > side_.count) return;
-    side_.add(sums_, gap_ + size_ - 1, 1.0);
-    measure();
-  }
+  [[nodiscard]] bool fits(std::uint32_t gap) const noexcept { return gap + size_ <= side_.count; }
+  /// To the samples from `gap` on, which is never less than before.
+  void move_to(std::uint32_t gap) noexcept;
   [[nodiscard]] double slope() const noexcept { return slope_; }
   [[nodiscard]] double error() const noexcept { return error_; } // sum of squares
+  [[nodiscard]] double limit() const noexcept { return limit_; }
   [[nodiscard]] bool straight() const noexcept { return error_ <= limit_; }
   [[nodiscard]] Flank flank() const noexcept {
-    return {side_.s0() + share_ * sums_.u,
-            side_.w0() + share_ * sums_.v,
+    return {*side_.s + share_ * sums_.u,
+            *side_.w + share_ * sums_.v,
             slope_,
             side_.length(gap_, gap_ + size_ - 1),
             size_,
@@ -132,18 +113,26 @@ public:
   }
 
 private:
-  void measure() noexcept {
-    if (size_ < 3) return;
-    const double uu = sums_.uu - share_ * sums_.u * sums_.u, uv = sums_.uv - share_ * sums_.u * sums_.v;
-    slope_ = uu > 0.0 ? uv / uu : 0.0;
-    error_ = std::max(0.0, sums_.vv - share_ * sums_.v * sums_.v - slope_ * uv);
-  }
-
   const Side& side_;
-  std::uint32_t size_, gap_;
-  double n_, share_, limit_, slope_ = 0.0, error_ = 0.0;
-  Sums sums_;
+  std::uint32_t size_, gap_ = 0, end_ = 0;
+  double share_, limit_, slope_ = 0.0, error_ = 0.0;
+  LineSums sums_; // of the samples from gap_ to end_
 };
+
+void Stretch::move_to(std::uint32_t gap) noexcept {
+  LineSums sums = sums_; // in registers
+  if (gap >= end_) {
+    sums = {};
+    gap_ = end_ = gap;
+  }
+  for (; gap_ < gap; ++gap_) sums.remove(side_.u(gap_), side_.v(gap_));
+  for (; end_ < gap + size_; ++end_) sums.add(side_.u(end_), side_.v(end_));
+  sums_ = sums;
+  if (size_ < 3) return;
+  const double uu = sums.uu - share_ * sums.u * sums.u, uv = sums.uv - share_ * sums.u * sums.v;
+  slope_ = uu > 0.0 ? uv / uu : 0.0;
+  error_ = std::max(0.0, sums.vv - share_ * sums.v * sums.v - slope_ * uv);
+}
 
 // The smallest radius that a stretch of this length and noise can have without showing it.
 double least_radius(const Flank& flank, double sigma) noexcept {
@@ -155,11 +144,12 @@ double least_radius(const Flank& flank, double sigma) noexcept {
 // first of `few` that is straight, else the straightest of them.
 Flank first_straight(const Side& side, std::uint32_t few, std::uint32_t size, std::uint32_t most_gap, double radius,
                      double sigma) noexcept {
-  Stretch low(side, 0, few, sigma), high(side, 0, std::min(size, side.count), sigma);
+  Stretch low(side, few, sigma), high(side, std::min(size, side.count), sigma);
   Flank best;
   TurningBack passed;
   double best_error = std::numeric_limits<double>::infinity();
-  for (std::uint32_t gap = 0; gap <= most_gap && low.fits(); ++gap) {
+  for (std::uint32_t gap = 0; gap <= most_gap && low.fits(gap); ++gap) {
+    low.move_to(gap);
     if (low.straight()) {
       const Flank flank = low.flank();
       if (least_radius(flank, sigma) >= radius) return flank;
@@ -168,27 +158,29 @@ Flank first_straight(const Side& side, std::uint32_t few, std::uint32_t size, st
       best = low.flank();
       best_error = low.error();
     }
-    if (size > few && high.fits() && high.straight()) return high.flank();
+    // What is not straight over few samples is less so over more.
+    if (size > few && low.error() <= high.limit() && high.fits(gap)) {
+      high.move_to(gap);
+      if (high.straight()) return high.flank();
+    }
     if (passed.turns_back(low.slope())) break;
-    low.move();
-    high.move();
   }
   return best;
 }
 
 // A longer stretch beyond a flank that a rounding gave: it still sees what is left of the arc.
 Flank longer_stretch(const Side& side, const Flank& flank, double sigma) noexcept {
-  const std::uint32_t size = 2 * flank.samples;
-  if (flank.gap + size > side.count) return flank;
-  Stretch stretch(side, flank.gap, size, sigma);
-  for (std::uint32_t gap = flank.gap; gap <= flank.gap + flank.samples && stretch.fits(); ++gap, stretch.move())
+  Stretch stretch(side, 2 * flank.samples, sigma);
+  for (std::uint32_t gap = flank.gap; gap <= flank.gap + flank.samples && stretch.fits(gap); ++gap) {
+    stretch.move_to(gap);
     if (stretch.straight()) return stretch.flank();
+  }
   return flank;
 }
 
 Side side_of(const Heights& h, std::uint32_t from, std::uint32_t to) noexcept {
   const bool left = to < from;
-  return {h, from, left, (left ? from - to : to - from) + 1};
+  return {&h.s[from], &h.w[from], left ? -1 : 1, (left ? from - to : to - from) + 1};
 }
 
 double sigma_of(const FitScale& scale) noexcept {
