@@ -1,9 +1,9 @@
-// Least squares over a window that moves away from the edge.
+// Least squares over stretches that move away from the edge.
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/feature/flank.hpp"
 
-#include "pipeline/feature/line_sums.hpp"
-
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -14,35 +14,100 @@ namespace {
 constexpr double kTelling = 53.0; // a straight stretch of the root of this times radius and noise is no arc, though cut aslant
 constexpr std::uint32_t kBeyond = 3; // samples by which the end of a rounding may be missed
 
-// The samples from an edge outwards.
-struct Side {
-  const double* s;
-  const double* w;
-  std::ptrdiff_t step; // to the next sample: 1, or -1 to the left
-  std::uint32_t count;
-
-  [[nodiscard]] double s_at(std::uint32_t i) const noexcept { return s[step * static_cast<std::ptrdiff_t>(i)]; }
-  [[nodiscard]] double w_at(std::uint32_t i) const noexcept { return w[step * static_cast<std::ptrdiff_t>(i)]; }
-  [[nodiscard]] double u(std::uint32_t i) const noexcept { return s_at(i) - *s; }
-  [[nodiscard]] double v(std::uint32_t i) const noexcept { return w_at(i) - *w; }
-  [[nodiscard]] double length(std::uint32_t i, std::uint32_t j) const noexcept { return std::abs(s_at(j) - s_at(i)); }
+// A line through `size` samples, `gap` samples from the edge.
+struct Stretch {
+  std::uint32_t gap, size;
+  double u, v;         // its middle, from the edge
+  double slope, error; // sum of squares
 };
+
+// The samples from an edge outwards.
+class Side {
+public:
+  Side(const Heights& h, std::uint32_t from, std::uint32_t to) noexcept
+      : s_(&h.s[from]), w_(&h.w[from]), step_(to < from ? -1 : 1), count_((to < from ? from - to : to - from) + 1) {}
+
+  [[nodiscard]] std::uint32_t count() const noexcept { return count_; }
+  [[nodiscard]] Side with_edge() const noexcept { return {s_ - step_, w_ - step_, step_, count_ + 1}; }
+  [[nodiscard]] double s(std::uint32_t i) const noexcept { return s_[step_ * static_cast<std::ptrdiff_t>(i)]; }
+  [[nodiscard]] double w(std::uint32_t i) const noexcept { return w_[step_ * static_cast<std::ptrdiff_t>(i)]; }
+  [[nodiscard]] Flank flank(const Stretch& line, bool straight) const noexcept {
+    return {*s_ + line.u, *w_ + line.v, line.slope, length(line), line.size, line.gap, straight};
+  }
+  [[nodiscard]] double length(const Stretch& line) const noexcept { return std::abs(s(line.gap + line.size - 1) - s(line.gap)); }
+
+private:
+  Side(const double* s, const double* w, std::ptrdiff_t step, std::uint32_t count) noexcept
+      : s_(s), w_(w), step_(step), count_(count) {}
+
+  const double* s_;
+  const double* w_;
+  std::ptrdiff_t step_; // to the next sample: 1, or -1 to the left
+  std::uint32_t count_;
+};
+
+// Fits stretches of a side from running sums, which are made as far as they are asked for.
+class Stretches {
+public:
+  static constexpr std::uint32_t kMost = 1024; // samples that are looked at
+
+  explicit Stretches(const Side& side) noexcept : side_(side), count_(std::min(side.count(), kMost)) { sums_[0] = {}; }
+  [[nodiscard]] bool fits(std::uint32_t gap, std::uint32_t size) const noexcept { return gap + size <= count_; }
+  [[nodiscard]] Stretch fit(std::uint32_t gap, std::uint32_t size) noexcept {
+    if (made_ < gap + size) extend(gap + size);
+    const Sums &from = sums_[gap], &to = sums_[gap + size];
+    const double share = 1.0 / size, u = share * (to.u - from.u), v = share * (to.v - from.v);
+    if (size < 3) return {gap, size, u, v, 0.0, 0.0};
+    const double uu = (to.uu - from.uu) - u * (to.u - from.u), uv = (to.uv - from.uv) - u * (to.v - from.v);
+    const double slope = uu > 0.0 ? uv / uu : 0.0;
+    return {gap, size, u, v, slope, std::max(0.0, (to.vv - from.vv) - v * (to.v - from.v) - slope * uv)};
+  }
+
+private:
+  struct Sums {
+    double u, v, uu, uv, vv;
+  };
+  void extend(std::uint32_t end) noexcept {
+    const double s0 = side_.s(0), w0 = side_.w(0);
+    Sums sums = sums_[made_];
+    while (made_ < end) {
+      const double u = side_.s(made_) - s0, v = side_.w(made_) - w0;
+      sums.u += u;
+      sums.v += v;
+      sums.uu += u * u;
+      sums.uv += u * v;
+      sums.vv += v * v;
+      sums_[++made_] = sums;
+    }
+  }
+
+  const Side& side_;
+  std::uint32_t count_, made_ = 0;
+  std::array<Sums, kMost + 1> sums_; // of the samples before each
+};
+
+// Residuals of a straight flank stay below this with a chance of about one in a thousand.
+double straight_limit(std::uint32_t size, double sigma) noexcept {
+  const double freedom = size - 2.0;
+  return sigma * sigma * (freedom + 3.1 * std::sqrt(2.0 * std::max(1.0, freedom)));
+}
 
 // A broken line against an arc that leaves the flank smoothly, both with the best place to leave it.
 bool is_hinged(const Side& outside, const Flank& flank, double sigma) noexcept {
   constexpr double kClearly = 2.0; // twice the least log likelihood
   // The sample at the edge itself tells most.
-  const Side side{outside.s - outside.step, outside.w - outside.step, outside.step, outside.count + 1};
+  const Side side = outside.with_edge();
   const std::uint32_t gap = flank.gap + 1;
   const double norm = 1.0 / std::sqrt(1.0 + flank.slope * flank.slope);
-  const std::uint32_t last = std::min(side.count - 1, gap + kBeyond);
+  const std::uint32_t last = std::min(side.count() - 1, gap + kBeyond);
   const std::uint32_t earliest = gap > kBeyond ? gap - kBeyond : 1;
-  const double slope = flank.slope, height = *side.w - flank.at(*side.s);
+  const double slope = flank.slope, s0 = side.s(0), w0 = side.w(0), height = w0 - flank.at(s0);
   // In the frame of the flank: x along it from the edge, v off it. Sums over what lies before the place to leave.
   double n = 0.0, x1 = 0.0, x2 = 0.0, x3 = 0.0, x4 = 0.0, v1 = 0.0, xv = 0.0, xxv = 0.0;
   double line = 0.0, arc = 0.0; // most that a fit takes off the sum of squares
   for (std::uint32_t i = 0; i <= last; ++i) {
-    const double x = norm * (side.u(i) + slope * side.v(i)), xx = x * x;
+    const double du = side.s(i) - s0, dv = side.w(i) - w0;
+    const double x = norm * (du + slope * dv), xx = x * x;
     if (i >= earliest) {
       const double about2 = x2 - x * (2.0 * x1 - x * n);
       const double about4 = x4 - x * (4.0 * x3 - x * (6.0 * x2 - x * (4.0 * x1 - x * n)));
@@ -50,7 +115,7 @@ bool is_hinged(const Side& outside, const Flank& flank, double sigma) noexcept {
       if (about2 > 0.0) line = std::max(line, once * once / about2);
       if (about4 > 0.0) arc = std::max(arc, twice * twice / about4);
     }
-    const double v = norm * (side.v(i) + height - slope * side.u(i));
+    const double v = norm * (dv + height - slope * du);
     n += 1.0;
     x1 += x;
     x2 += xx;
@@ -87,100 +152,64 @@ private:
   bool any_ = false;
 };
 
-// Least squares over a stretch of samples that moves away from the edge.
-class Stretch {
+// Searches one side of an edge.
+class FlankSearch {
 public:
-  Stretch(const Side& side, std::uint32_t size, double sigma) : side_(side), size_(size), share_(1.0 / size) {
-    // Residuals of a straight flank stay below this with a chance of about one in a thousand.
-    const double freedom = size - 2.0;
-    limit_ = sigma * sigma * (freedom + 3.1 * std::sqrt(2.0 * std::max(1.0, freedom)));
-  }
-  [[nodiscard]] bool fits(std::uint32_t gap) const noexcept { return gap + size_ <= side_.count; }
-  /// To the samples from `gap` on, which is never less than before.
-  void move_to(std::uint32_t gap) noexcept;
-  [[nodiscard]] double slope() const noexcept { return slope_; }
-  [[nodiscard]] double error() const noexcept { return error_; } // sum of squares
-  [[nodiscard]] double limit() const noexcept { return limit_; }
-  [[nodiscard]] bool straight() const noexcept { return error_ <= limit_; }
-  [[nodiscard]] Flank flank() const noexcept {
-    return {*side_.s + share_ * sums_.u,
-            *side_.w + share_ * sums_.v,
-            slope_,
-            side_.length(gap_, gap_ + size_ - 1),
-            size_,
-            gap_,
-            straight()};
-  }
+  FlankSearch(const Side& side, double radius, double sigma) noexcept
+      : side_(side), stretches_(side), radius_(radius), sigma_(sigma) {}
+
+  // The first stretch that is straight and long enough to tell: of `size` samples, or of `few` where they are far apart. Else
+  // the first of `few` that is straight, else the straightest of them.
+  [[nodiscard]] Flank first_straight(std::uint32_t few, std::uint32_t size, std::uint32_t most_gap) noexcept;
+  // A longer stretch beyond a flank that a rounding gave: it still sees what is left of the arc.
+  [[nodiscard]] Flank longer_stretch(const Flank& flank) noexcept;
 
 private:
+  // Whether an arc of this length and slope would show, up to the radius asked for.
+  [[nodiscard]] bool tells(const Stretch& line) const noexcept {
+    const double length = side_.length(line), stretch = 1.0 + line.slope * line.slope;
+    return length * length * stretch * std::sqrt(stretch) >= 16.0 * sigma_ * radius_;
+  }
+
   const Side& side_;
-  std::uint32_t size_, gap_ = 0, end_ = 0;
-  double share_, limit_, slope_ = 0.0, error_ = 0.0;
-  LineSums sums_; // of the samples from gap_ to end_
+  Stretches stretches_;
+  double radius_, sigma_;
 };
 
-void Stretch::move_to(std::uint32_t gap) noexcept {
-  LineSums sums = sums_; // in registers
-  if (gap >= end_) {
-    sums = {};
-    gap_ = end_ = gap;
-  }
-  for (; gap_ < gap; ++gap_) sums.remove(side_.u(gap_), side_.v(gap_));
-  for (; end_ < gap + size_; ++end_) sums.add(side_.u(end_), side_.v(end_));
-  sums_ = sums;
-  if (size_ < 3) return;
-  const double uu = sums.uu - share_ * sums.u * sums.u, uv = sums.uv - share_ * sums.u * sums.v;
-  slope_ = uu > 0.0 ? uv / uu : 0.0;
-  error_ = std::max(0.0, sums.vv - share_ * sums.v * sums.v - slope_ * uv);
-}
-
-// The smallest radius that a stretch of this length and noise can have without showing it.
-double least_radius(const Flank& flank, double sigma) noexcept {
-  const double stretch = 1.0 + flank.slope * flank.slope;
-  return flank.length * flank.length * stretch * std::sqrt(stretch) / (16.0 * sigma);
-}
-
-// The first stretch that is straight and long enough to tell: of `size` samples, or of `few` where they are far apart. Else the
-// first of `few` that is straight, else the straightest of them.
-Flank first_straight(const Side& side, std::uint32_t few, std::uint32_t size, std::uint32_t most_gap, double radius,
-                     double sigma) noexcept {
-  Stretch low(side, few, sigma), high(side, std::min(size, side.count), sigma);
-  Flank best;
+Flank FlankSearch::first_straight(std::uint32_t few, std::uint32_t size, std::uint32_t most_gap) noexcept {
+  const double limit = straight_limit(few, sigma_), long_limit = straight_limit(size, sigma_);
+  Stretch best{};
+  bool straight = false;
   TurningBack passed;
-  double best_error = std::numeric_limits<double>::infinity();
-  for (std::uint32_t gap = 0; gap <= most_gap && low.fits(gap); ++gap) {
-    low.move_to(gap);
-    if (low.straight()) {
-      const Flank flank = low.flank();
-      if (least_radius(flank, sigma) >= radius) return flank;
-      if (!best.straight) best = flank;
-    } else if (!best.straight && low.error() < best_error) {
-      best = low.flank();
-      best_error = low.error();
+  double least = std::numeric_limits<double>::infinity();
+  for (std::uint32_t gap = 0; gap <= most_gap && stretches_.fits(gap, few); ++gap) {
+    const Stretch line = stretches_.fit(gap, few);
+    if (line.error <= limit) {
+      if (tells(line)) return side_.flank(line, true);
+      if (!straight) best = line;
+      straight = true;
+    } else if (!straight && line.error < least) {
+      best = line;
+      least = line.error;
     }
     // What is not straight over few samples is less so over more.
-    if (size > few && low.error() <= high.limit() && high.fits(gap)) {
-      high.move_to(gap);
-      if (high.straight()) return high.flank();
+    if (size > few && line.error <= long_limit && stretches_.fits(gap, size)) {
+      const Stretch longer = stretches_.fit(gap, size);
+      if (longer.error <= long_limit) return side_.flank(longer, true);
     }
-    if (passed.turns_back(low.slope())) break;
+    if (passed.turns_back(line.slope)) break;
   }
-  return best;
+  return best.size > 0 ? side_.flank(best, straight) : Flank{};
 }
 
-// A longer stretch beyond a flank that a rounding gave: it still sees what is left of the arc.
-Flank longer_stretch(const Side& side, const Flank& flank, double sigma) noexcept {
-  Stretch stretch(side, 2 * flank.samples, sigma);
-  for (std::uint32_t gap = flank.gap; gap <= flank.gap + flank.samples && stretch.fits(gap); ++gap) {
-    stretch.move_to(gap);
-    if (stretch.straight()) return stretch.flank();
+Flank FlankSearch::longer_stretch(const Flank& flank) noexcept {
+  const std::uint32_t size = 2 * flank.samples;
+  const double limit = straight_limit(size, sigma_);
+  for (std::uint32_t gap = flank.gap; gap <= flank.gap + flank.samples && stretches_.fits(gap, size); ++gap) {
+    const Stretch line = stretches_.fit(gap, size);
+    if (line.error <= limit) return side_.flank(line, true);
   }
   return flank;
-}
-
-Side side_of(const Heights& h, std::uint32_t from, std::uint32_t to) noexcept {
-  const bool left = to < from;
-  return {&h.s[from], &h.w[from], left ? -1 : 1, (left ? from - to : to - from) + 1};
 }
 
 double sigma_of(const FitScale& scale) noexcept {
@@ -193,24 +222,25 @@ Flank find_flank(const Heights& h, std::uint32_t from, std::uint32_t to, std::ui
                  const FitScale& scale) {
   constexpr std::uint32_t kFewest = 4;
   constexpr double kFlatter = 3.0; // radius of what is taken for straight against that of the largest rounding
-  const Side side = side_of(h, from, to);
-  const std::uint32_t size = std::min(window, side.count);
+  const Side side(h, from, to);
+  const std::uint32_t size = std::min(window, side.count());
   const double sigma = sigma_of(scale);
   const double radius = kFlatter * scale.arc_radius;
-  if (most_gap == 0) return first_straight(side, size, size, 0, radius, sigma);
+  FlankSearch search(side, radius, sigma);
+  if (most_gap == 0) return search.first_straight(size, size, 0);
   // The end of a rounding is straight over a short stretch.
   const double telling = std::sqrt(kTelling * scale.arc_radius * sigma) / scale.pitch;
   const auto most = static_cast<std::uint32_t>(std::min(2.0 * size, std::ceil(telling)));
   const std::uint32_t few = std::min(size, std::max(kFewest, size / 3));
-  Flank best = first_straight(side, few, std::max(most, size), most_gap, radius, sigma);
-  if (best.straight && best.gap > 0) best = longer_stretch(side, best, sigma);
+  Flank best = search.first_straight(few, std::min(std::max(most, size), side.count()), most_gap);
+  if (best.straight && best.gap > 0) best = search.longer_stretch(best);
   constexpr double kSmallRounding = 0.35; // mm
   best.rounded = best.straight && best.gap > 0 && (best.gap >= kLeastGap || best.gap * scale.pitch <= kSmallRounding);
   return best;
 }
 
 bool is_chamfered(const Heights& h, std::uint32_t from, std::uint32_t to, const Flank& flank, const FitScale& scale) {
-  return flank.gap + 1 >= kLeastGap && is_hinged(side_of(h, from, to), flank, sigma_of(scale));
+  return flank.gap + 1 >= kLeastGap && is_hinged(Side(h, from, to), flank, sigma_of(scale));
 }
 
 } // namespace scansion
