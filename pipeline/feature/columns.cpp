@@ -136,24 +136,30 @@ void Columns::screen(std::int64_t r, const Sampling& sampling) {
   for (std::int64_t k = r + 1; k <= high; ++k) accumulate(k, after_[static_cast<std::size_t>(k - r - 1)]);
 }
 
-// Copies a column around row r into s_, w_ without its holes, and notes its steepest_ interval.
-void Columns::copy_column(std::int64_t r, std::size_t column, std::int64_t reach) {
-  const std::int64_t low = std::max(first_, r - reach), high = std::min(next_ - 1, r + reach);
+// Copies a column around a row into s_, w_ without its holes.
+void Columns::copy_column(std::int64_t row, std::size_t column, const WallTest& test) {
+  const auto reach = static_cast<std::int64_t>(flank_reach_);
+  const std::int64_t low = std::max<std::int64_t>(0, row - reach), high = std::min(rows_.size() - 1, row + reach);
   s_.resize(static_cast<std::size_t>(high - low + 1));
   w_.resize(s_.size());
-  std::size_t n = 0, slot = static_cast<std::size_t>(low) % ring_.size();
-  float before = kNone, steepest = 0.0F;
-  for (std::int64_t k = low; k <= high; ++k, slot = slot + 1 == ring_.size() ? 0 : slot + 1) {
-    const float height = ring_[slot].height[column];
+  index_.resize(ring_.size());
+  double* const s = s_.data();
+  double* const w = w_.data();
+  std::uint32_t n = 0;
+  bool walls = false;
+  for (std::int64_t k = low; k <= high; ++k) {
+    const ColumnRow& at = rows_[k];
+    index_[static_cast<std::size_t>(k)] = n;
+    const float height = at.height[column];
     if (std::isnan(height)) continue;
-    s_[n] = ring_[slot].c;
-    w_[n++] = static_cast<double>(height) + base_;
-    steepest = std::max(steepest, std::abs(height - before)); // a NaN is not greater
-    before = height;
+    s[n] = at.c;
+    w[n] = static_cast<double>(height) + base_;
+    if (n > 0 && test.may_seed(s[n] - s[n - 1], w[n] - w[n - 1])) walls = true;
+    ++n;
   }
   s_.resize(n);
   w_.resize(n);
-  steepest_ = static_cast<double>(steepest);
+  walls_possible_ = walls;
 }
 
 ColumnPoint Columns::column_point(std::int64_t r, std::size_t column, const FeaturePoint& feature) const {
@@ -167,127 +173,103 @@ ColumnPoint Columns::column_point(std::int64_t r, std::size_t column, const Feat
   return point;
 }
 
+// The rows that a fit may use: not beyond those that bend half as much themselves, nor beyond steps.
+Reach Columns::rows_of_bend(std::int64_t row, std::size_t column, const WallTest& test) const {
+  const auto reach = static_cast<std::int64_t>(reach_), near = static_cast<std::int64_t>(window_) / 2;
+  const auto bend = [&](std::int64_t k) { return std::abs(rows_[k].bend[column]); };
+  const float half = 0.5F * bend(row);
+  const auto peak = [&](std::int64_t k) {
+    return bend(k) >= half && k > 0 && k + 1 < rows_.size() && bend(k) >= bend(k - 1) && bend(k) >= bend(k + 1);
+  };
+  const std::int64_t least = std::max<std::int64_t>(0, row - reach), most = std::min(rows_.size() - 1, row + reach);
+  std::int64_t low = row, high = row;
+  while (low > least && !rows_.is_of_step(low - 1, column, test))
+    if (--low < row - near && peak(low)) break;
+  while (high < most && !rows_.is_of_step(high, column, test))
+    if (++high > row + near && peak(high)) break;
+  return {static_cast<std::uint32_t>(low), static_cast<std::uint32_t>(high), 0, 0};
+}
+
 void Columns::measure_bend(std::int64_t r, std::size_t column, const Sampling& sampling, const FitScale& scale,
                            std::vector<ColumnPoint>& out) {
-  // The fit does not pass rows that bend half as much themselves, nor steps.
-  const float own = std::abs(row(r).bend[column]);
-  const auto reach = static_cast<std::int64_t>(reach_);
-  const auto n = static_cast<std::int64_t>(window_);
-  std::int64_t low = r, high = r;
+  constexpr std::uint32_t kFewest = 2; // a side
+  const std::int64_t at = r - first_;
+  const auto row = static_cast<std::uint32_t>(at);
   const WallTest test(scale);
-  const auto peak = [&](std::int64_t k) {
-    if (std::abs(k - r) <= n / 2 || !has(k - 1) || !has(k + 1)) return false;
-    const float b = std::abs(row(k).bend[column]);
-    return b >= 0.5F * own && b >= std::abs(row(k - 1).bend[column]) && b >= std::abs(row(k + 1).bend[column]);
-  };
-  while (low - 1 >= std::max(first_, r - reach) && !is_of_step(low - 1, column, test))
-    if (peak(--low)) break;
-  while (high + 1 <= std::min(next_ - 1, r + reach) && !is_of_step(high, column, test))
-    if (peak(++high)) break;
-  if (r - low < 2 || high - r < 2) return;
-  copy_column(r, column, static_cast<std::int64_t>(flank_reach_));
-  const auto index = [&](double c) {
-    return static_cast<std::uint32_t>(std::lower_bound(s_.begin(), s_.end(), c) - s_.begin());
-  };
-  const auto last = static_cast<std::uint32_t>(s_.size() - 1);
-  Reach bounds{index(row(low).c), std::min(index(row(high).c), last), 0, last};
-  const std::uint32_t k = index(row(r).c);
-  if (k < bounds.before + 2 || k + 2 > bounds.after) return;
-  bound_by_steps(row(r).c, scale, bounds);
-  if (k <= bounds.before || k >= bounds.after) return;
-  const auto bend = find_bend({s_, w_}, k, bounds, scale);
+  Reach reach = rows_of_bend(at, column, test);
+  if (row - reach.before < kFewest || reach.after - row < kFewest) return;
+  copy_column(at, column, test);
+  const std::uint32_t k = index_[row];
+  reach.last = static_cast<std::uint32_t>(s_.size() - 1);
+  reach.before = index_[reach.before];
+  reach.after = std::min(index_[reach.after], reach.last);
+  if (k < reach.before + kFewest || k + kFewest > reach.after) return;
+  bound_by_steps(k, scale, reach);
+  if (k <= reach.before || k >= reach.after) return;
+  const auto bend = find_bend({s_, w_}, k, reach, scale);
   if (!bend || is_part_of_step(*bend, scale)) return;
   ColumnPoint point = column_point(r, column, make_point(*bend, 0, scale));
-  point.feature.width = std::log2(std::max(1.0, std::abs(static_cast<double>(own)) * static_cast<double>(window_) *
-                                                    sampling.spacing / 4.0 / least_distance(scale.noise)));
+  const auto own = static_cast<double>(std::abs(rows_[at].bend[column]));
+  point.feature.width =
+      std::log2(std::max(1.0, own * static_cast<double>(window_) * sampling.spacing / 4.0 / least_distance(scale.noise)));
   out.push_back(point);
 }
 
 // No fit reaches beyond a step.
-void Columns::bound_by_steps(double c, const FitScale& scale, Reach& reach) {
-  found_.clear();
+void Columns::bound_by_steps(std::uint32_t k, const FitScale& scale, Reach& reach) {
   walls_.clear();
-  if (steepest_ <= WallTest(scale).weak) return;
-  steps_.find({s_, w_}, 0, static_cast<std::uint32_t>(s_.size()), scale, found_, walls_);
+  if (!walls_possible_) return;
+  find_walls({s_, w_}, 0, static_cast<std::uint32_t>(s_.size()), scale, walls_);
   for (const WallRun& wall : walls_) {
     if (!wall.step) continue;
-    if (s_[wall.last] <= c) reach.first = std::max(reach.first, wall.last);
-    if (s_[wall.first] >= c) reach.last = std::min(reach.last, wall.first);
+    if (wall.last <= k) reach.first = std::max(reach.first, wall.last);
+    if (wall.first >= k) reach.last = std::min(reach.last, wall.first);
   }
   reach.before = std::max(reach.before, reach.first);
   reach.after = std::min(reach.after, reach.last);
 }
 
 // Whether a bend of the column in s_, w_ lies within a step, or in what rounds its edges.
-bool Columns::is_part_of_step(const Bend& bend, const FitScale& scale) const {
-  const bool within = std::any_of(walls_.begin(), walls_.end(), [&](const WallRun& wall) {
-    return wall.step && bend.s >= s_[wall.low] - scale.pitch && bend.s <= s_[wall.high] + scale.pitch;
-  });
-  return within || std::any_of(found_.begin(), found_.end(), [&](const FeaturePoint& edge) {
-           return (bend.tau < 0.0) == edge.convex() && std::abs(bend.s - edge.s) <= edge.window * scale.pitch &&
-                  is_part(bend.tau, bend.window, edge);
-         });
-}
-
-// Rise from row r to the next one; not a number: one of them has no height there.
-double Columns::rise(std::int64_t r, std::size_t column) const {
-  if (!has(r) || !has(r + 1)) return std::numeric_limits<double>::quiet_NaN();
-  return static_cast<double>(row(r + 1).height[column]) - static_cast<double>(row(r).height[column]);
-}
-
-// Whether a wall that rises or falls goes on from row r to the next one.
-bool Columns::grows(std::int64_t r, std::size_t column, bool rising, const WallTest& test) const {
-  return has(r) && has(r + 1) && test.grows(row(r + 1).c - row(r).c, rise(r, column), rising);
-}
-
-// Whether a wall that seeds itself between rows low and high is a step, and no slope with samples enough.
-bool Columns::is_step(std::int64_t low, std::int64_t high, std::size_t column, const WallTest& test) const {
-  if (high - low <= static_cast<std::int64_t>(kMostIntervals)) return true;
-  if (high - low > static_cast<std::int64_t>(kMostRounded)) return false;
-  std::int64_t steepest = low;
-  for (std::int64_t k = low + 1; k < high; ++k)
-    if (std::abs(rise(k, column)) > std::abs(rise(steepest, column))) steepest = k;
-  return test.is_upright(row(steepest + 1).c - row(steepest).c, rise(steepest, column), rise(steepest - 1, column),
-                         rise(steepest + 1, column));
-}
-
-// Whether the interval from row r to the next one is the first of a wall that is a step.
-bool Columns::starts_step(std::int64_t r, std::size_t column, const WallTest& test) const {
-  const bool rising = rise(r, column) > 0.0;
-  if (grows(r - 1, column, rising, test)) return false;
-  bool seeded = false;
-  std::int64_t k = r;
-  do {
-    seeded = seeded || test.seeds(row(k + 1).c - row(k).c, rise(k, column), rise(k - 1, column), rise(k + 1, column));
-    ++k;
-  } while (grows(k, column, rising, test) && k - r <= static_cast<std::int64_t>(kMostRounded));
-  return seeded && is_step(r, k, column, test);
-}
-
-// Whether the interval from row r to the next one is a steep one of a wall that is a step.
-bool Columns::is_of_step(std::int64_t r, std::size_t column, const WallTest& test) const {
-  const double dw = rise(r, column);
-  if (!(std::abs(dw) > test.strong && std::abs(dw) > WallTest::kSlope * (row(r + 1).c - row(r).c))) return false;
-  std::int64_t low = r, high = r + 1;
-  const auto few = [&] { return high - low <= static_cast<std::int64_t>(kMostRounded); };
-  while (few() && grows(low - 1, column, dw > 0.0, test)) --low;
-  while (few() && grows(high, column, dw > 0.0, test)) ++high;
-  return is_step(low, high, column, test);
+bool Columns::is_part_of_step(const Bend& bend, const FitScale& scale) {
+  const Heights heights{s_, w_};
+  for (std::size_t i = 0; i < walls_.size(); ++i) {
+    if (!walls_[i].step) continue;
+    found_.clear();
+    ::scansion::measure_step(heights, 0, static_cast<std::uint32_t>(s_.size()), walls_, i, scale, found_);
+    const WallRun& wall = walls_[i];
+    if (bend.s >= s_[wall.low] - scale.pitch && bend.s <= s_[wall.high] + scale.pitch) return true;
+    for (const FeaturePoint& edge : found_)
+      if ((bend.tau < 0.0) == edge.convex() && std::abs(bend.s - edge.s) <= edge.window * scale.pitch &&
+          is_part(bend.tau, bend.window, edge))
+        return true;
+  }
+  return false;
 }
 
 // The step whose wall starts between row r and the next one.
 void Columns::measure_step(std::int64_t r, std::size_t column, const FitScale& scale, std::vector<ColumnPoint>& out) {
-  copy_column(r, column, static_cast<std::int64_t>(flank_reach_));
-  found_.clear();
+  const std::int64_t at = r - first_;
+  copy_column(at, column, WallTest(scale));
+  const Heights heights{s_, w_};
+  const auto end = static_cast<std::uint32_t>(s_.size());
   walls_.clear();
-  const auto first = static_cast<std::uint32_t>(std::lower_bound(s_.begin(), s_.end(), row(r).c) - s_.begin());
-  steps_.find({s_, w_}, 0, static_cast<std::uint32_t>(s_.size()), scale, found_, walls_, first);
+  find_walls(heights, 0, end, scale, walls_);
+  const std::uint32_t first = index_[static_cast<std::size_t>(at)];
+  const auto wall = std::find_if(walls_.begin(), walls_.end(), [&](const WallRun& w) { return w.step && w.first == first; });
+  if (wall == walls_.end()) return;
+  found_.clear();
+  ::scansion::measure_step(heights, 0, end, walls_, static_cast<std::size_t>(wall - walls_.begin()), scale, found_);
   for (const FeaturePoint& found : found_) {
     ColumnPoint point = column_point(r, column, found);
     const double height = std::abs(found_.front().w - found_.back().w);
     point.feature.width = std::log2(std::max(1.0, 0.5 * height / least_distance(scale.noise)));
     out.push_back(point);
   }
+}
+
+void Columns::view_rows() {
+  rows_.clear();
+  for (std::int64_t r = first_; r < next_; ++r) rows_.add({row(r).c, row(r).height.data(), row(r).bend.data()});
 }
 
 void Columns::harvest(std::int64_t r, const Sampling& sampling, std::vector<ColumnPoint>& out) {
@@ -297,36 +279,36 @@ void Columns::harvest(std::int64_t r, const Sampling& sampling, std::vector<Colu
   const auto least = std::max(kLeastSlopeChange,
                               static_cast<float>(kLeastSignificance * scale.noise * std::sqrt(24.0 / (n * length * length))));
   const auto near = std::max<std::int64_t>(1, static_cast<std::int64_t>(wanted_) / 2);
-  const Row& centre = row(r);
-  const bool wall_possible = has(r + 1);
+  view_rows();
+  const std::int64_t at = r - first_;
+  const ColumnRow& centre = rows_[at];
+  const ColumnRow& next = at + 1 < rows_.size() ? rows_[at + 1] : centre;
   const WallTest test(scale);
   // Every interval of a wall is larger.
-  const double apart = wall_possible ? row(r + 1).c - centre.c : 0.0;
-  const auto wall = static_cast<float>(std::max(test.noise, 0.49 * apart));
-  const float* const below = wall_possible ? row(r + 1).height.data() : centre.height.data();
+  const auto wall = static_cast<float>(std::max(test.noise, 0.49 * (next.c - centre.c)));
   // Most blocks show nothing.
   for (std::size_t block = 0; block < width_; block += kBlock) {
     const std::size_t end = std::min(width_, block + kBlock);
     int seen = 0;
     for (std::size_t j = block; j < end; ++j)
-      seen |=
-          static_cast<int>(std::abs(centre.bend[j]) >= least) | static_cast<int>(std::abs(below[j] - centre.height[j]) > wall);
+      seen |= static_cast<int>(std::abs(centre.bend[j]) >= least) |
+              static_cast<int>(std::abs(next.height[j] - centre.height[j]) > wall);
     if (seen == 0) continue;
     for (std::size_t j = block; j < end; ++j) {
-      if (std::abs(centre.bend[j]) >= least && bends_most(r, j, near)) measure_bend(r, j, sampling, scale, out);
-      if (std::abs(below[j] - centre.height[j]) > wall && starts_step(r, j, test)) measure_step(r, j, scale, out);
+      if (std::abs(centre.bend[j]) >= least && bends_most(at, j, near)) measure_bend(r, j, sampling, scale, out);
+      if (std::abs(next.height[j] - centre.height[j]) > wall && rows_.starts_step(at, j, test)) measure_step(r, j, scale, out);
     }
   }
 }
 
-// Whether no row within `near` of row r bends more the same way; the first of equal ones does.
-bool Columns::bends_most(std::int64_t r, std::size_t column, std::int64_t near) const {
-  const float own = row(r).bend[column];
-  for (std::int64_t k = r - near; k <= r + near; ++k) {
-    if (k == r || !has(k)) continue;
-    const float other = row(k).bend[column] * (own < 0.0F ? -1.0F : 1.0F);
-    if (k < r ? other >= std::abs(own) : other > std::abs(own)) return false;
-  }
+// Whether no row within `near` bends more the same way; the first of equal ones does.
+bool Columns::bends_most(std::int64_t row, std::size_t column, std::int64_t near) const {
+  const float own = std::abs(rows_[row].bend[column]), sign = rows_[row].bend[column] < 0.0F ? -1.0F : 1.0F;
+  const std::int64_t low = std::max<std::int64_t>(0, row - near), high = std::min(rows_.size() - 1, row + near);
+  for (std::int64_t k = low; k < row; ++k)
+    if (sign * rows_[k].bend[column] >= own) return false;
+  for (std::int64_t k = row + 1; k <= high; ++k)
+    if (sign * rows_[k].bend[column] > own) return false;
   return true;
 }
 

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "pipeline/feature/column_rows.hpp"
 #include "pipeline/feature/sampling.hpp"
-#include "pipeline/feature/steps.hpp"
 
 #include <cstdint>
 #include <vector>
@@ -54,19 +54,16 @@ private:
   [[nodiscard]] bool make_room(double low, double high);
   void resample(const Profile& profile, const Sampling& sampling, Row& out) const;
   void screen(std::int64_t r, const Sampling& sampling);
-  [[nodiscard]] bool bends_most(std::int64_t r, std::size_t column, std::int64_t near) const;
+  void view_rows();
   void harvest(std::int64_t r, const Sampling& sampling, std::vector<ColumnPoint>& out);
+  [[nodiscard]] bool bends_most(std::int64_t row, std::size_t column, std::int64_t near) const;
   void measure_bend(std::int64_t r, std::size_t column, const Sampling& sampling, const FitScale& scale,
                     std::vector<ColumnPoint>& out);
-  void bound_by_steps(double c, const FitScale& scale, Reach& reach);
-  [[nodiscard]] bool is_part_of_step(const Bend& bend, const FitScale& scale) const;
-  [[nodiscard]] double rise(std::int64_t r, std::size_t column) const;
-  [[nodiscard]] bool grows(std::int64_t r, std::size_t column, bool rising, const WallTest& test) const;
-  [[nodiscard]] bool is_step(std::int64_t low, std::int64_t high, std::size_t column, const WallTest& test) const;
-  [[nodiscard]] bool is_of_step(std::int64_t r, std::size_t column, const WallTest& test) const;
-  [[nodiscard]] bool starts_step(std::int64_t r, std::size_t column, const WallTest& test) const;
+  [[nodiscard]] Reach rows_of_bend(std::int64_t row, std::size_t column, const WallTest& test) const;
+  void bound_by_steps(std::uint32_t k, const FitScale& scale, Reach& reach);
+  [[nodiscard]] bool is_part_of_step(const Bend& bend, const FitScale& scale);
   void measure_step(std::int64_t r, std::size_t column, const FitScale& scale, std::vector<ColumnPoint>& out);
-  void copy_column(std::int64_t r, std::size_t column, std::int64_t reach);
+  void copy_column(std::int64_t row, std::size_t column, const WallTest& test);
   [[nodiscard]] ColumnPoint column_point(std::int64_t r, std::size_t column, const FeaturePoint& feature) const;
 
   double pitch_ = 1.0, base_ = 0.0;
@@ -79,9 +76,10 @@ private:
   std::vector<Row> ring_;
   std::int64_t first_ = 0, next_ = 0;  // rows held
   std::vector<double> before_, after_; // weights of rows in slopes
-  std::vector<double> s_, w_;          // one column
-  double steepest_ = 0.0;              // mm: its largest step from row to row
-  StepFinder steps_;
+  ColumnRows rows_;                    // those held
+  std::vector<double> s_, w_;          // one column without its holes
+  std::vector<std::uint32_t> index_;   // of each row in them
+  bool walls_possible_ = false;        // there
   std::vector<FeaturePoint> found_;
   std::vector<WallRun> walls_;
 };

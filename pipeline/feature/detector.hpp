@@ -19,7 +19,6 @@ private:
   void drop_parts(const Sampling& sampling);
   void sort(std::vector<FeaturePoint>& out);
 
-  StepFinder steps_;
   std::vector<WallRun> walls_;
   std::vector<Vertex> vertices_;
   std::vector<std::uint32_t> stack_, order_, place_;

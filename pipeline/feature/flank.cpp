@@ -34,7 +34,9 @@ public:
   [[nodiscard]] Flank flank(const Stretch& line, bool straight) const noexcept {
     return {*s_ + line.u, *w_ + line.v, line.slope, length(line), line.size, line.gap, straight};
   }
-  [[nodiscard]] double length(const Stretch& line) const noexcept { return std::abs(s(line.gap + line.size - 1) - s(line.gap)); }
+  [[nodiscard]] double length(const Stretch& line) const noexcept {
+    return std::abs(s(line.gap + line.size - 1) - s(line.gap));
+  }
 
 private:
   Side(const double* s, const double* w, std::ptrdiff_t step, std::uint32_t count) noexcept

@@ -93,7 +93,10 @@ public:
 private:
   [[nodiscard]] double du(std::uint32_t j) const noexcept { return s_[j] - s_[k_]; }
   [[nodiscard]] double dv(std::uint32_t j) const noexcept { return w_[j] - w_[k_]; }
-  template <class Sums> void add(Sums& side, std::uint32_t j) const noexcept { side.add(du(j), dv(j)); }
+  template <class Sums>
+  void add(Sums& side, std::uint32_t j) const noexcept {
+    side.add(du(j), dv(j));
+  }
   [[nodiscard]] Line side(const LineSums& m, std::uint32_t neighbour) const noexcept {
     if (m.n >= kFewest) return fit_line(m);
     const double u = du(neighbour), v = dv(neighbour), norm = std::copysign(1.0 / std::sqrt(u * u + v * v), u);
@@ -249,13 +252,11 @@ std::optional<Bend> find_bend(const Heights& heights, std::uint32_t k, const Rea
     return std::nullopt;
   RoundedEdge edge;
   switch (find_rounding(heights, k, reach.first, reach.last, corner->window, corner->s, corner->turning, scale, edge)) {
-  case RoundingSearch::too_wide:
-    return std::nullopt;
-  case RoundingSearch::none:
-    if (corner->misfit > kMisfit && !corner->turning.exceeds(kStrong)) return std::nullopt;
-    return corner->bend();
-  case RoundingSearch::edge:
-    break;
+    case RoundingSearch::too_wide: return std::nullopt;
+    case RoundingSearch::none:
+      if (corner->misfit > kMisfit && !corner->turning.exceeds(kStrong)) return std::nullopt;
+      return corner->bend();
+    case RoundingSearch::edge: break;
   }
   corner->s = edge.s;
   corner->w = edge.w;

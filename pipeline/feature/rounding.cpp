@@ -22,7 +22,8 @@ double arc_error(const Heights& h, std::uint32_t l, std::uint32_t r) noexcept {
 // Tangent length over the tangent of half the turning.
 double radius_of(double width, const RoundedEdge& edge) noexcept {
   constexpr double kTan89 = 57.289961630759;
-  const double cosine = (edge.before.cosine + edge.after.cosine) / std::sqrt(2.0 + 2.0 * edge.turning.cosine); // of the bisector
+  const double cosine =
+      (edge.before.cosine + edge.after.cosine) / std::sqrt(2.0 + 2.0 * edge.turning.cosine); // of the bisector
   return 0.5 * width / std::max(0.1, cosine) / std::min(kTan89, edge.turning.tangent_of_half());
 }
 

@@ -43,13 +43,19 @@ double wall_slope(const Heights& h, std::uint32_t first, std::uint32_t last) noe
   return uv / uu;
 }
 
+// Few samples on the wall, or none where it stands upright between its roundings.
+bool is_step(const Heights& h, const WallRun& wall, const WallTest& test) {
+  const std::uint32_t intervals = wall.last - wall.first;
+  return intervals <= kMostIntervals ||
+         (intervals <= kMostRounded && is_upright(h, steepest_interval(h, wall.first, wall.last), test));
+}
+
 } // namespace
 
 WallTest::WallTest(const FitScale& scale) noexcept
     : strong(std::max(8.0 * scale.noise, 0.09)), weak(std::max(8.0 * scale.noise, 0.05)), noise(4.0 * scale.noise) {}
 
-void StepFinder::find_walls(const Heights& h, std::uint32_t begin, std::uint32_t end, const FitScale& scale,
-                            std::vector<WallRun>& walls) const {
+void find_walls(const Heights& h, std::uint32_t begin, std::uint32_t end, const FitScale& scale, std::vector<WallRun>& walls) {
   const WallTest test(scale);
   const std::size_t known = walls.size();
   const double* s = h.s.data();
@@ -58,7 +64,7 @@ void StepFinder::find_walls(const Heights& h, std::uint32_t begin, std::uint32_t
   const auto dw = [&](std::uint32_t k) { return w[k + 1] - w[k]; };
   constexpr double kNone = std::numeric_limits<double>::infinity(); // the ends of a run start no wall by themselves
   for (std::uint32_t k = begin; k + 1 < end; ++k) {
-    if (std::abs(dw(k)) <= test.weak) continue;
+    if (!test.may_seed(ds(k), dw(k))) continue;
     if (!test.seeds(ds(k), dw(k), k > begin ? dw(k - 1) : kNone, k + 2 < end ? dw(k + 1) : kNone)) continue;
     const bool rising = dw(k) > 0.0;
     WallRun wall{k, k + 1, 0, 0, false};
@@ -67,26 +73,23 @@ void StepFinder::find_walls(const Heights& h, std::uint32_t begin, std::uint32_t
     while (wall.last + 1 < end && test.grows(ds(wall.last), dw(wall.last), rising)) ++wall.last;
     wall.low = wall.first;
     wall.high = wall.last;
+    wall.step = is_step(h, wall, test) && wall.first >= begin + kLineEnd && wall.last + kLineEnd < end;
     walls.push_back(wall);
     k = wall.last - 1;
   }
 }
 
-// Few samples on the wall, or none where it stands upright between its roundings.
-bool StepFinder::is_step(const Heights& h, const WallRun& wall, const FitScale& scale) {
-  const std::uint32_t intervals = wall.last - wall.first;
-  return intervals <= kMostIntervals ||
-         (intervals <= kMostRounded && is_upright(h, steepest_interval(h, wall.first, wall.last), WallTest(scale)));
-}
-
-void StepFinder::measure(const Heights& h, WallRun& wall, std::uint32_t low, std::uint32_t high, const FitScale& scale,
-                         std::vector<FeaturePoint>& out) const {
+void measure_step(const Heights& h, std::uint32_t begin, std::uint32_t end, std::span<WallRun> walls, std::size_t i,
+                  const FitScale& scale, std::vector<FeaturePoint>& out) {
+  WallRun& wall = walls[i];
+  const std::uint32_t low = i > 0 ? std::min(walls[i - 1].last + 1, wall.first) : begin;
+  const std::uint32_t high = i + 1 < walls.size() ? std::max(walls[i + 1].first - 1, wall.last) : end - 1;
   const std::uint32_t n = scale.least_window;
   const std::uint32_t most = scale.widest_gap();
   // Plateaus leave out the ends of the wall, and what rounds its edges.
-  const auto plateau = [&](std::uint32_t end, std::uint32_t limit) {
-    if (end == limit) return Flank{h.s[end], h.w[end], 0.0, 0.0, 0, 0, false};
-    const std::uint32_t from = limit < end ? end - 1 : end + 1;
+  const auto plateau = [&](std::uint32_t foot, std::uint32_t limit) {
+    if (foot == limit) return Flank{h.s[foot], h.w[foot], 0.0, 0.0, 0, 0, false};
+    const std::uint32_t from = limit < foot ? foot - 1 : foot + 1;
     Flank flank = find_flank(h, from, limit, n, most, scale);
     if (is_chamfered(h, from, limit, flank, scale)) return find_flank(h, from, limit, std::min(n, flank.gap), 0, scale);
     return flank.straight || flank.gap == 0 ? flank : find_flank(h, from, limit, n, 0, scale);
@@ -105,8 +108,8 @@ void StepFinder::measure(const Heights& h, WallRun& wall, std::uint32_t low, std
   const std::uint32_t steepest = steepest_interval(h, wall.first, wall.last);
   bool upright = b < a + 2;
   // A rounding falls by its radius where it meets an upright wall; what falls more is a slope with few samples.
-  const auto rounds = [&](const Flank& flank, std::uint32_t end, std::uint32_t flat) {
-    return std::abs(h.w[end] - flank.at(h.s[end])) <= 1.3 * std::abs(h.s[end] - h.s[flat]) + off;
+  const auto rounds = [&](const Flank& flank, std::uint32_t foot, std::uint32_t flat) {
+    return std::abs(h.w[foot] - flank.at(h.s[foot])) <= 1.3 * std::abs(h.s[foot] - h.s[flat]) + off;
   };
   const std::uint32_t flat_before = wall.first - std::min(wall.first, before.gap + 1);
   const std::uint32_t flat_after = std::min(wall.last + after.gap + 1, static_cast<std::uint32_t>(h.size() - 1));
@@ -159,22 +162,6 @@ void StepFinder::measure(const Heights& h, WallRun& wall, std::uint32_t low, std
   const auto margin = [](std::uint32_t gap) { return gap > 0 ? gap + 2 : 0; };
   wall.low = wall.first - std::min(margin(before.gap), wall.first - low);
   wall.high = wall.last + std::min(margin(after.gap), high - wall.last);
-}
-
-void StepFinder::find(const Heights& heights, std::uint32_t begin, std::uint32_t end, const FitScale& scale,
-                      std::vector<FeaturePoint>& out, std::vector<WallRun>& walls, std::optional<std::uint32_t> only) {
-  const std::size_t known = walls.size();
-  find_walls(heights, begin, end, scale, walls);
-  for (std::size_t i = known; i < walls.size(); ++i) {
-    WallRun& wall = walls[i];
-    if (only && wall.first != *only) continue;
-    if (!is_step(heights, wall, scale)) continue;
-    if (wall.first < begin + kLineEnd || wall.last + kLineEnd >= end) continue;
-    const std::uint32_t low = i > known ? walls[i - 1].last + 1 : begin;
-    const std::uint32_t high = i + 1 < walls.size() ? walls[i + 1].first - 1 : end - 1;
-    wall.step = true;
-    measure(heights, wall, std::min(low, wall.first), std::max(high, wall.last), scale, out);
-  }
 }
 
 } // namespace scansion

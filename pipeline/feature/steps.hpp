@@ -6,7 +6,7 @@
 #include "pipeline/feature/local_fit.hpp"
 
 #include <cmath>
-#include <optional>
+#include <span>
 #include <vector>
 
 namespace scansion {
@@ -14,7 +14,7 @@ namespace scansion {
 /// The samples of one wall: first..last, with what rounds its edges low..high.
 struct WallRun {
   std::uint32_t first = 0, last = 0, low = 0, high = 0;
-  bool step = false; ///< short enough to be a step: its edges were found
+  bool step = false; ///< short enough to be a step
 };
 
 /// Which intervals between samples are walls; lengths in mm.
@@ -23,12 +23,14 @@ struct WallTest {
   double strong, weak, noise;
   explicit WallTest(const FitScale& scale) noexcept;
 
+  /// Whether an interval may start a wall: all that do are so.
+  [[nodiscard]] bool may_seed(double ds, double dw) const noexcept { return std::abs(dw) > weak && std::abs(dw) > 0.5 * ds; }
   /// Whether an interval starts a wall by itself; `before`, `after`: height differences of its neighbours, not a number: none.
   [[nodiscard]] bool seeds(double ds, double dw, double before, double after) const noexcept {
+    if (!may_seed(ds, dw)) return false;
     const double size = std::abs(dw);
-    if (size <= weak) return false;
     if (size > kSlope * ds && size > strong) return true;
-    return size > 0.5 * ds && !(std::abs(before) >= 0.35 * size) && !(std::abs(after) >= 0.35 * size);
+    return !(std::abs(before) >= 0.35 * size) && !(std::abs(after) >= 0.35 * size);
   }
   /// Whether a wall is upright within this interval: its neighbours' differences show no slope that would go on.
   [[nodiscard]] bool is_upright(double ds, double dw, double before, double after) const noexcept {
@@ -46,20 +48,13 @@ struct WallTest {
 inline constexpr std::uint32_t kMostIntervals = 6; ///< of a step: a longer wall is sampled well enough to be ranked
 inline constexpr std::uint32_t kMostRounded = 40;  ///< intervals of a step whose wall is upright between roundings
 
-/// Thread-bound: holds scratch.
-class StepFinder {
-public:
-  /// Adds both edges of each step of the run of samples [begin, end), in order of s and tied to each other, and lists all wall
-  /// runs. Samples are counted from the start of the profile. `only`: measures just the wall whose first sample this is.
-  void find(const Heights& heights, std::uint32_t begin, std::uint32_t end, const FitScale& scale,
-            std::vector<FeaturePoint>& out, std::vector<WallRun>& walls, std::optional<std::uint32_t> only = std::nullopt);
+/// Adds all walls of the run of samples [begin, end), counted from the start of the profile, and tells which are steps.
+void find_walls(const Heights& heights, std::uint32_t begin, std::uint32_t end, const FitScale& scale,
+                std::vector<WallRun>& walls);
 
-private:
-  void find_walls(const Heights& h, std::uint32_t begin, std::uint32_t end, const FitScale& scale,
-                  std::vector<WallRun>& walls) const;
-  [[nodiscard]] static bool is_step(const Heights& h, const WallRun& wall, const FitScale& scale);
-  void measure(const Heights& h, WallRun& wall, std::uint32_t low, std::uint32_t high, const FitScale& scale,
-               std::vector<FeaturePoint>& out) const;
-};
+/// Adds both edges of step i of these walls of the run [begin, end), in order of s and tied to each other, and gives the wall
+/// what rounds its edges.
+void measure_step(const Heights& heights, std::uint32_t begin, std::uint32_t end, std::span<WallRun> walls, std::size_t i,
+                  const FitScale& scale, std::vector<FeaturePoint>& out);
 
 } // namespace scansion
