@@ -2,9 +2,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/feature/column_rows.hpp"
 
+#include <algorithm>
 #include <limits>
 
 namespace scansion {
+
+void ColumnRows::start(const WallTest& test) noexcept {
+  test_ = test;
+  rows_.clear();
+  places_.clear();
+  steep_.clear();
+}
+
+void ColumnRows::add(const ColumnRow& row) {
+  constexpr double kLess = 1.0 - 1e-6; // more than single precision rounds
+  if (!rows_.empty())
+    steep_.push_back(static_cast<float>(kLess * std::max(test_.strong, WallTest::kSlope * (row.c - places_.back()))));
+  rows_.push_back(row);
+  places_.push_back(row.c);
+}
 
 // Not a number: one of the two rows has no height there.
 double ColumnRows::rise_if_any(std::int64_t row, std::size_t column) const noexcept {
@@ -12,40 +28,70 @@ double ColumnRows::rise_if_any(std::int64_t row, std::size_t column) const noexc
 }
 
 // Whether a wall that rises or falls goes on from this row to the next one.
-bool ColumnRows::grows(std::int64_t row, std::size_t column, bool rising, const WallTest& test) const noexcept {
-  return has(row) && test.grows(run(row), rise(row, column), rising);
+bool ColumnRows::grows(std::int64_t row, std::size_t column, bool rising) const noexcept {
+  return has(row) && test_.grows(run(row), rise(row, column), rising);
 }
 
 // Whether a wall that seeds itself between rows low and high is a step, and no slope with samples enough.
-bool ColumnRows::is_step(std::int64_t low, std::int64_t high, std::size_t column, const WallTest& test) const {
+bool ColumnRows::is_step(std::int64_t low, std::int64_t high, std::size_t column) const {
   if (high - low <= static_cast<std::int64_t>(kMostIntervals)) return true;
   if (high - low > static_cast<std::int64_t>(kMostRounded)) return false;
   std::int64_t steepest = low;
   for (std::int64_t k = low + 1; k < high; ++k)
     if (std::abs(rise(k, column)) > std::abs(rise(steepest, column))) steepest = k;
-  return test.is_upright(run(steepest), rise(steepest, column), rise_if_any(steepest - 1, column),
-                         rise_if_any(steepest + 1, column));
+  return test_.is_upright(run(steepest), rise(steepest, column), rise_if_any(steepest - 1, column),
+                          rise_if_any(steepest + 1, column));
 }
 
-bool ColumnRows::starts_step(std::int64_t row, std::size_t column, const WallTest& test) const {
+bool ColumnRows::starts_step(std::int64_t row, std::size_t column) const {
   const bool rising = rise(row, column) > 0.0;
-  if (grows(row - 1, column, rising, test)) return false;
+  if (grows(row - 1, column, rising)) return false;
   bool seeded = false;
   std::int64_t k = row;
   do {
-    seeded = seeded || test.seeds(run(k), rise(k, column), rise_if_any(k - 1, column), rise_if_any(k + 1, column));
+    seeded = seeded || test_.seeds(run(k), rise(k, column), rise_if_any(k - 1, column), rise_if_any(k + 1, column));
     ++k;
-  } while (grows(k, column, rising, test) && k - row <= static_cast<std::int64_t>(kMostRounded));
-  return seeded && is_step(row, k, column, test);
+  } while (grows(k, column, rising) && k - row <= static_cast<std::int64_t>(kMostRounded));
+  return seeded && is_step(row, k, column);
 }
 
-bool ColumnRows::is_of_wall(std::int64_t row, std::size_t column, const WallTest& test) const {
-  const bool rising = rise(row, column) > 0.0;
+bool ColumnRows::is_of_step(std::int64_t row, std::size_t column) const {
+  const double dw = rise(row, column);
+  if (!(std::abs(dw) > test_.strong && std::abs(dw) > WallTest::kSlope * run(row))) return false;
   std::int64_t low = row, high = row + 1;
   const auto few = [&] { return high - low <= static_cast<std::int64_t>(kMostRounded); };
-  while (few() && grows(low - 1, column, rising, test)) --low;
-  while (few() && grows(high, column, rising, test)) ++high;
-  return is_step(low, high, column, test);
+  while (few() && grows(low - 1, column, dw > 0.0)) --low;
+  while (few() && grows(high, column, dw > 0.0)) ++high;
+  return is_step(low, high, column);
+}
+
+void Column::take(const ColumnRows& rows, std::int64_t row, std::int64_t reach, std::size_t column, double base) {
+  first_ = std::max<std::int64_t>(0, row - reach);
+  const auto n = static_cast<std::size_t>(std::min(rows.size() - 1, row + reach) - first_ + 1);
+  raw_.resize(n);
+  w_.resize(n);
+  const ColumnRow* const from = &rows[first_];
+  float* const raw = raw_.data();
+  double* const w = w_.data();
+  for (std::size_t k = 0; k < n; ++k) raw[k] = from[k].height[column];
+  std::int32_t holes = 0;
+  for (std::size_t k = 0; k < n; ++k) holes += static_cast<std::int32_t>(std::isnan(raw[k]));
+  s_ = rows.places().subspan(static_cast<std::size_t>(first_), n);
+  index_.clear();
+  if (holes > 0) return leave_out_holes(s_, base);
+  for (std::size_t k = 0; k < n; ++k) w[k] = static_cast<double>(raw[k]) + base;
+}
+
+void Column::leave_out_holes(std::span<const double> places, double base) {
+  places_.clear();
+  w_.clear();
+  for (std::size_t k = 0; k < raw_.size(); ++k) {
+    index_.push_back(static_cast<std::uint32_t>(w_.size()));
+    if (std::isnan(raw_[k])) continue;
+    places_.push_back(places[k]);
+    w_.push_back(static_cast<double>(raw_[k]) + base);
+  }
+  s_ = places_;
 }
 
 } // namespace scansion

@@ -15,35 +15,66 @@ struct ColumnRow {
   const float* bend = nullptr;
 };
 
-/// Rows are counted from the oldest one. Points into rows that belong to someone else.
+/// Rows are counted from the oldest one. Points into rows that belong to someone else. Thread-bound.
 class ColumnRows {
 public:
-  void clear() noexcept { rows_.clear(); }
-  void add(const ColumnRow& row) { rows_.push_back(row); }
+  /// Forgets all rows; `test` says what a wall is among those to come.
+  void start(const WallTest& test) noexcept;
+  void add(const ColumnRow& row);
   [[nodiscard]] std::int64_t size() const noexcept { return static_cast<std::int64_t>(rows_.size()); }
   [[nodiscard]] const ColumnRow& operator[](std::int64_t row) const noexcept { return rows_[static_cast<std::size_t>(row)]; }
+  [[nodiscard]] std::span<const double> places() const noexcept { return places_; } ///< c of each row
 
-  /// Whether the interval from this row to the next one is the first of a wall that is a step.
-  [[nodiscard]] bool starts_step(std::int64_t row, std::size_t column, const WallTest& test) const;
-  /// Whether it is a steep one of a wall that is a step.
-  [[nodiscard]] bool is_of_step(std::int64_t row, std::size_t column, const WallTest& test) const {
-    const double size = std::abs(rise(row, column));
-    return size > test.strong && size > WallTest::kSlope * run(row) && is_of_wall(row, column, test);
+  /// Whether an interval from this row to the next one that rises so much may be of a step.
+  [[nodiscard]] bool may_be_of_step(std::int64_t row, float rise) const noexcept {
+    return std::abs(rise) >= steep_[static_cast<std::size_t>(row)];
   }
+  /// Whether the interval from this row to the next one is a steep one of a wall that is a step.
+  [[nodiscard]] bool is_of_step(std::int64_t row, std::size_t column) const;
+  /// Whether it is the first of a wall that is a step.
+  [[nodiscard]] bool starts_step(std::int64_t row, std::size_t column) const;
 
 private:
   [[nodiscard]] bool has(std::int64_t row) const noexcept { return row >= 0 && row + 1 < size(); }
-  /// From this row to the next one.
   [[nodiscard]] double run(std::int64_t row) const noexcept { return (*this)[row + 1].c - (*this)[row].c; }
   [[nodiscard]] double rise(std::int64_t row, std::size_t column) const noexcept {
     return static_cast<double>((*this)[row + 1].height[column]) - static_cast<double>((*this)[row].height[column]);
   }
   [[nodiscard]] double rise_if_any(std::int64_t row, std::size_t column) const noexcept;
-  [[nodiscard]] bool grows(std::int64_t row, std::size_t column, bool rising, const WallTest& test) const noexcept;
-  [[nodiscard]] bool is_of_wall(std::int64_t row, std::size_t column, const WallTest& test) const;
-  [[nodiscard]] bool is_step(std::int64_t low, std::int64_t high, std::size_t column, const WallTest& test) const;
+  [[nodiscard]] bool grows(std::int64_t row, std::size_t column, bool rising) const noexcept;
+  [[nodiscard]] bool is_step(std::int64_t low, std::int64_t high, std::size_t column) const;
 
+  WallTest test_{FitScale{}};
   std::vector<ColumnRow> rows_;
+  std::vector<double> places_;
+  std::vector<float> steep_; // least rise of a steep interval, somewhat less than exact
+};
+
+/// One column around a row, without its holes. Points into the rows it was taken from. Thread-bound.
+class Column {
+public:
+  void take(const ColumnRows& rows, std::int64_t row, std::int64_t reach, std::size_t column, double base);
+  [[nodiscard]] Heights heights() const noexcept { return {s_, w_}; }
+  [[nodiscard]] std::uint32_t size() const noexcept { return static_cast<std::uint32_t>(w_.size()); }
+  /// The sample of a row, or the first one beyond it.
+  [[nodiscard]] std::uint32_t index(std::int64_t row) const noexcept {
+    const auto at = static_cast<std::uint32_t>(row - first_);
+    return index_.empty() ? at : index_[at];
+  }
+  /// From a row to the next one; not a number: a hole.
+  [[nodiscard]] float rise(std::int64_t row) const noexcept {
+    const auto at = static_cast<std::size_t>(row - first_);
+    return raw_[at + 1] - raw_[at];
+  }
+
+private:
+  void leave_out_holes(std::span<const double> places, double base);
+
+  std::int64_t first_ = 0; // row
+  std::vector<float> raw_; // all rows
+  std::span<const double> s_;
+  std::vector<double> w_, places_;
+  std::vector<std::uint32_t> index_; // of each row; empty: there are no holes
 };
 
 } // namespace scansion

@@ -136,32 +136,6 @@ void Columns::screen(std::int64_t r, const Sampling& sampling) {
   for (std::int64_t k = r + 1; k <= high; ++k) accumulate(k, after_[static_cast<std::size_t>(k - r - 1)]);
 }
 
-// Copies a column around a row into s_, w_ without its holes.
-void Columns::copy_column(std::int64_t row, std::size_t column, const WallTest& test) {
-  const auto reach = static_cast<std::int64_t>(flank_reach_);
-  const std::int64_t low = std::max<std::int64_t>(0, row - reach), high = std::min(rows_.size() - 1, row + reach);
-  s_.resize(static_cast<std::size_t>(high - low + 1));
-  w_.resize(s_.size());
-  index_.resize(ring_.size());
-  double* const s = s_.data();
-  double* const w = w_.data();
-  std::uint32_t n = 0;
-  bool walls = false;
-  for (std::int64_t k = low; k <= high; ++k) {
-    const ColumnRow& at = rows_[k];
-    index_[static_cast<std::size_t>(k)] = n;
-    const float height = at.height[column];
-    if (std::isnan(height)) continue;
-    s[n] = at.c;
-    w[n] = static_cast<double>(height) + base_;
-    if (n > 0 && test.may_seed(s[n] - s[n - 1], w[n] - w[n - 1])) walls = true;
-    ++n;
-  }
-  s_.resize(n);
-  w_.resize(n);
-  walls_possible_ = walls;
-}
-
 ColumnPoint Columns::column_point(std::int64_t r, std::size_t column, const FeaturePoint& feature) const {
   ColumnPoint point;
   point.column = left_ + static_cast<std::int64_t>(column);
@@ -173,19 +147,22 @@ ColumnPoint Columns::column_point(std::int64_t r, std::size_t column, const Feat
   return point;
 }
 
-// The rows that a fit may use: not beyond those that bend half as much themselves, nor beyond steps.
-Reach Columns::rows_of_bend(std::int64_t row, std::size_t column, const WallTest& test) const {
+// The rows of column_ that a fit may use: not beyond those that bend half as much themselves, nor beyond steps.
+Reach Columns::rows_of_bend(std::int64_t row, std::size_t column) const {
   const auto reach = static_cast<std::int64_t>(reach_), near = static_cast<std::int64_t>(window_) / 2;
   const auto bend = [&](std::int64_t k) { return std::abs(rows_[k].bend[column]); };
   const float half = 0.5F * bend(row);
   const auto peak = [&](std::int64_t k) {
     return bend(k) >= half && k > 0 && k + 1 < rows_.size() && bend(k) >= bend(k - 1) && bend(k) >= bend(k + 1);
   };
+  const auto stops = [&](std::int64_t k) {
+    return rows_.may_be_of_step(k, column_.rise(k)) && rows_.is_of_step(k, column);
+  };
   const std::int64_t least = std::max<std::int64_t>(0, row - reach), most = std::min(rows_.size() - 1, row + reach);
   std::int64_t low = row, high = row;
-  while (low > least && !rows_.is_of_step(low - 1, column, test))
+  while (low > least && !stops(low - 1))
     if (--low < row - near && peak(low)) break;
-  while (high < most && !rows_.is_of_step(high, column, test))
+  while (high < most && !stops(high))
     if (++high > row + near && peak(high)) break;
   return {static_cast<std::uint32_t>(low), static_cast<std::uint32_t>(high), 0, 0};
 }
@@ -195,18 +172,17 @@ void Columns::measure_bend(std::int64_t r, std::size_t column, const Sampling& s
   constexpr std::uint32_t kFewest = 2; // a side
   const std::int64_t at = r - first_;
   const auto row = static_cast<std::uint32_t>(at);
-  const WallTest test(scale);
-  Reach reach = rows_of_bend(at, column, test);
+  column_.take(rows_, at, static_cast<std::int64_t>(flank_reach_), column, base_);
+  Reach reach = rows_of_bend(at, column);
   if (row - reach.before < kFewest || reach.after - row < kFewest) return;
-  copy_column(at, column, test);
-  const std::uint32_t k = index_[row];
-  reach.last = static_cast<std::uint32_t>(s_.size() - 1);
-  reach.before = index_[reach.before];
-  reach.after = std::min(index_[reach.after], reach.last);
+  const std::uint32_t k = column_.index(at);
+  reach.last = column_.size() - 1;
+  reach.before = column_.index(reach.before);
+  reach.after = std::min(column_.index(reach.after), reach.last);
   if (k < reach.before + kFewest || k + kFewest > reach.after) return;
   bound_by_steps(k, scale, reach);
   if (k <= reach.before || k >= reach.after) return;
-  const auto bend = find_bend({s_, w_}, k, reach, scale);
+  const auto bend = find_bend(column_.heights(), k, reach, scale);
   if (!bend || is_part_of_step(*bend, scale)) return;
   ColumnPoint point = column_point(r, column, make_point(*bend, 0, scale));
   const auto own = static_cast<double>(std::abs(rows_[at].bend[column]));
@@ -218,8 +194,7 @@ void Columns::measure_bend(std::int64_t r, std::size_t column, const Sampling& s
 // No fit reaches beyond a step.
 void Columns::bound_by_steps(std::uint32_t k, const FitScale& scale, Reach& reach) {
   walls_.clear();
-  if (!walls_possible_) return;
-  find_walls({s_, w_}, 0, static_cast<std::uint32_t>(s_.size()), scale, walls_);
+  find_walls(column_.heights(), 0, column_.size(), scale, walls_);
   for (const WallRun& wall : walls_) {
     if (!wall.step) continue;
     if (wall.last <= k) reach.first = std::max(reach.first, wall.last);
@@ -229,15 +204,15 @@ void Columns::bound_by_steps(std::uint32_t k, const FitScale& scale, Reach& reac
   reach.after = std::min(reach.after, reach.last);
 }
 
-// Whether a bend of the column in s_, w_ lies within a step, or in what rounds its edges.
+// Whether a bend of column_ lies within a step, or in what rounds its edges.
 bool Columns::is_part_of_step(const Bend& bend, const FitScale& scale) {
-  const Heights heights{s_, w_};
+  const Heights heights = column_.heights();
   for (std::size_t i = 0; i < walls_.size(); ++i) {
     if (!walls_[i].step) continue;
     found_.clear();
-    ::scansion::measure_step(heights, 0, static_cast<std::uint32_t>(s_.size()), walls_, i, scale, found_);
+    ::scansion::measure_step(heights, 0, column_.size(), walls_, i, scale, found_);
     const WallRun& wall = walls_[i];
-    if (bend.s >= s_[wall.low] - scale.pitch && bend.s <= s_[wall.high] + scale.pitch) return true;
+    if (bend.s >= heights.s[wall.low] - scale.pitch && bend.s <= heights.s[wall.high] + scale.pitch) return true;
     for (const FeaturePoint& edge : found_)
       if ((bend.tau < 0.0) == edge.convex() && std::abs(bend.s - edge.s) <= edge.window * scale.pitch &&
           is_part(bend.tau, bend.window, edge))
@@ -249,12 +224,12 @@ bool Columns::is_part_of_step(const Bend& bend, const FitScale& scale) {
 // The step whose wall starts between row r and the next one.
 void Columns::measure_step(std::int64_t r, std::size_t column, const FitScale& scale, std::vector<ColumnPoint>& out) {
   const std::int64_t at = r - first_;
-  copy_column(at, column, WallTest(scale));
-  const Heights heights{s_, w_};
-  const auto end = static_cast<std::uint32_t>(s_.size());
+  column_.take(rows_, at, static_cast<std::int64_t>(flank_reach_), column, base_);
+  const Heights heights = column_.heights();
+  const std::uint32_t end = column_.size();
   walls_.clear();
   find_walls(heights, 0, end, scale, walls_);
-  const std::uint32_t first = index_[static_cast<std::size_t>(at)];
+  const std::uint32_t first = column_.index(at);
   const auto wall = std::find_if(walls_.begin(), walls_.end(), [&](const WallRun& w) { return w.step && w.first == first; });
   if (wall == walls_.end()) return;
   found_.clear();
@@ -267,8 +242,8 @@ void Columns::measure_step(std::int64_t r, std::size_t column, const FitScale& s
   }
 }
 
-void Columns::view_rows() {
-  rows_.clear();
+void Columns::view_rows(const WallTest& test) {
+  rows_.start(test);
   for (std::int64_t r = first_; r < next_; ++r) rows_.add({row(r).c, row(r).height.data(), row(r).bend.data()});
 }
 
@@ -279,11 +254,11 @@ void Columns::harvest(std::int64_t r, const Sampling& sampling, std::vector<Colu
   const auto least = std::max(kLeastSlopeChange,
                               static_cast<float>(kLeastSignificance * scale.noise * std::sqrt(24.0 / (n * length * length))));
   const auto near = std::max<std::int64_t>(1, static_cast<std::int64_t>(wanted_) / 2);
-  view_rows();
+  const WallTest test(scale);
+  view_rows(test);
   const std::int64_t at = r - first_;
   const ColumnRow& centre = rows_[at];
   const ColumnRow& next = at + 1 < rows_.size() ? rows_[at + 1] : centre;
-  const WallTest test(scale);
   // Every interval of a wall is larger.
   const auto wall = static_cast<float>(std::max(test.noise, 0.49 * (next.c - centre.c)));
   // Most blocks show nothing.
@@ -296,7 +271,7 @@ void Columns::harvest(std::int64_t r, const Sampling& sampling, std::vector<Colu
     if (seen == 0) continue;
     for (std::size_t j = block; j < end; ++j) {
       if (std::abs(centre.bend[j]) >= least && bends_most(at, j, near)) measure_bend(r, j, sampling, scale, out);
-      if (std::abs(next.height[j] - centre.height[j]) > wall && rows_.starts_step(at, j, test)) measure_step(r, j, scale, out);
+      if (std::abs(next.height[j] - centre.height[j]) > wall && rows_.starts_step(at, j)) measure_step(r, j, scale, out);
     }
   }
 }

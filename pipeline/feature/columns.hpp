@@ -54,16 +54,15 @@ private:
   [[nodiscard]] bool make_room(double low, double high);
   void resample(const Profile& profile, const Sampling& sampling, Row& out) const;
   void screen(std::int64_t r, const Sampling& sampling);
-  void view_rows();
+  void view_rows(const WallTest& test);
   void harvest(std::int64_t r, const Sampling& sampling, std::vector<ColumnPoint>& out);
   [[nodiscard]] bool bends_most(std::int64_t row, std::size_t column, std::int64_t near) const;
   void measure_bend(std::int64_t r, std::size_t column, const Sampling& sampling, const FitScale& scale,
                     std::vector<ColumnPoint>& out);
-  [[nodiscard]] Reach rows_of_bend(std::int64_t row, std::size_t column, const WallTest& test) const;
+  [[nodiscard]] Reach rows_of_bend(std::int64_t row, std::size_t column) const;
   void bound_by_steps(std::uint32_t k, const FitScale& scale, Reach& reach);
   [[nodiscard]] bool is_part_of_step(const Bend& bend, const FitScale& scale);
   void measure_step(std::int64_t r, std::size_t column, const FitScale& scale, std::vector<ColumnPoint>& out);
-  void copy_column(std::int64_t row, std::size_t column, const WallTest& test);
   [[nodiscard]] ColumnPoint column_point(std::int64_t r, std::size_t column, const FeaturePoint& feature) const;
 
   double pitch_ = 1.0, base_ = 0.0;
@@ -77,9 +76,7 @@ private:
   std::int64_t first_ = 0, next_ = 0;  // rows held
   std::vector<double> before_, after_; // weights of rows in slopes
   ColumnRows rows_;                    // those held
-  std::vector<double> s_, w_;          // one column without its holes
-  std::vector<std::uint32_t> index_;   // of each row in them
-  bool walls_possible_ = false;        // there
+  Column column_;                      // the one that is looked at
   std::vector<FeaturePoint> found_;
   std::vector<WallRun> walls_;
 };
