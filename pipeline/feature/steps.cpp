@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr std::uint32_t kLineEnd = 3; // samples at the end of a run that show no feature
-constexpr std::uint32_t kBlock = 32;  // samples
+constexpr std::uint32_t kBlock = 64;  // intervals
 
 std::uint32_t steepest_interval(const Heights& h, std::uint32_t first, std::uint32_t last) noexcept {
   std::uint32_t best = first;
@@ -64,14 +64,16 @@ void find_walls(const Heights& h, std::uint32_t begin, std::uint32_t end, const 
   const auto ds = [&](std::uint32_t k) { return s[k + 1] - s[k]; };
   const auto dw = [&](std::uint32_t k) { return w[k + 1] - w[k]; };
   constexpr double kNone = std::numeric_limits<double>::infinity(); // the ends of a run start no wall by themselves
-  // Most blocks hold none.
+  // Most blocks hold none; a short rest is looked through at once.
   for (std::uint32_t block = begin, k = begin; block + 1 < end; block += kBlock) {
     const std::uint32_t next = std::min(end - 1, block + kBlock);
-    std::int64_t large = 0;
-    for (std::uint32_t j = block; j < next; ++j) large += static_cast<std::int64_t>(std::abs(w[j + 1] - w[j]) > test.weak);
-    if (large == 0) continue;
+    if (next - block == kBlock) {
+      std::int64_t large = 0;
+      for (std::uint32_t j = block; j < next; ++j) large += static_cast<std::int64_t>(std::abs(w[j + 1] - w[j]) > test.weak);
+      if (large == 0) continue;
+    }
     for (k = std::max(k, block); k < next; ++k) {
-      if (!test.may_seed(ds(k), dw(k))) continue;
+      if (std::abs(dw(k)) <= test.weak) continue;
       if (!test.seeds(ds(k), dw(k), k > begin ? dw(k - 1) : kNone, k + 2 < end ? dw(k + 1) : kNone)) continue;
       const bool rising = dw(k) > 0.0;
       WallRun wall{k, k + 1, 0, 0, false};
