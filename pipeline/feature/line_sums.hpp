@@ -18,30 +18,6 @@ struct LineSums {
     uv += du * dv;
     vv += dv * dv;
   }
-  void remove(double du, double dv) noexcept {
-    n -= 1.0;
-    u -= du;
-    v -= dv;
-    uu -= du * du;
-    uv -= du * dv;
-    vv -= dv * dv;
-  }
-  void add(const LineSums& other) noexcept {
-    n += other.n;
-    u += other.u;
-    v += other.v;
-    uu += other.uu;
-    uv += other.uv;
-    vv += other.vv;
-  }
-  void remove(const LineSums& other) noexcept {
-    n -= other.n;
-    u -= other.u;
-    v -= other.v;
-    uu -= other.uu;
-    uv -= other.uv;
-    vv -= other.vv;
-  }
 };
 
 /// Of a line that does not run backwards: the cosine is not negative.

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/feature/local_fit.hpp"
 
+#include "pipeline/feature/pair.hpp"
 #include "pipeline/feature/parabola.hpp"
 #include "pipeline/feature/rounding.hpp"
 
@@ -15,36 +16,77 @@ namespace {
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr double kMisfit = 3.0; // of the residuals' variance against that of the noise
 
-// Sum of squares of the best broken line with its corner at u0, from what lies left and right of it.
-double broken_error(const LineSums& left, const LineSums& right, double u0) noexcept {
-  const double n = left.n + right.n, v = left.v + right.v, vv = left.vv + right.vv;
-  const double a = left.u - u0 * left.n, b = right.u - u0 * right.n;
-  const double aa = left.uu - u0 * (left.u + a), bb = right.uu - u0 * (right.u + b);
-  const double av = left.uv - u0 * left.v, bv = right.uv - u0 * right.v;
-  const double fa = aa > 0.0 ? a / aa : 0.0, fb = bb > 0.0 ? b / bb : 0.0;
-  const double norm = n - a * fa - b * fb;
-  const double offset = norm > 1e-12 ? (v - fa * av - fb * bv) / norm : 0.0;
-  const double sa = aa > 0.0 ? (av - offset * a) / aa : 0.0, sb = bb > 0.0 ? (bv - offset * b) / bb : 0.0;
-  return std::max(0.0, vv - offset * v - sa * av - sb * bv);
-}
+// Power sums about sample k over what lies before it and after it.
+struct SideSums {
+  Pair n{}, u{}, v{}, uu{}, uv{}, vv{}, uuu{}, uuuu{}, uuv{};
 
-struct Line {
-  double u = 0.0, v = 0.0; // a point of it
-  Direction direction;
+  void add(Pair du, Pair dv, Pair count) noexcept {
+    const Pair square = du * du;
+    n += count;
+    u += du;
+    v += dv;
+    uu += square;
+    uv += du * dv;
+    vv += dv * dv;
+    uuu += square * du;
+    uuuu += square * square;
+    uuv += square * dv;
+  }
+  /// Moves samples from one side to the other: `share` is 1 for the side that gets them and -1 for the other one.
+  void move(const LineSums& samples, Pair share) noexcept {
+    n += share * samples.n;
+    u += share * samples.u;
+    v += share * samples.v;
+    uu += share * samples.uu;
+    uv += share * samples.uv;
+    vv += share * samples.vv;
+  }
+  [[nodiscard]] PowerSums together() const noexcept {
+    return {{sum(n), sum(u), sum(v), sum(uu), sum(uv), sum(vv)}, sum(uuu), sum(uuuu), sum(uuv)};
+  }
 };
 
-Line fit_line(const LineSums& m) noexcept {
-  const double u = m.u / m.n, v = m.v / m.n;
-  const double uu = m.uu - m.u * u, uv = m.uv - m.u * v, vv = m.vv - m.v * v;
+// Sum of squares of the best broken line with its corner at u0.
+double broken_error(const SideSums& m, double u0) noexcept {
+  const Pair a = m.u - u0 * m.n, aa = m.uu - u0 * (m.u + a), av = m.uv - u0 * m.v;
+  const Pair per = aa > 0.0 ? 1.0 / aa : both(0.0), f = a * per;
+  const double v = sum(m.v), norm = sum(m.n) - sum(a * f);
+  const double offset = norm > 1e-12 ? (v - sum(f * av)) / norm : 0.0;
+  const Pair slope = (av - offset * a) * per;
+  return std::max(0.0, sum(m.vv) - offset * v - sum(slope * av));
+}
+
+// The lines before and after a corner.
+struct Lines {
+  Pair u{}, v{}; // a point of each
+  Pair cosine = both(1.0), sine{};
+
+  [[nodiscard]] Direction direction(std::size_t side) const noexcept { return {cosine[side], sine[side]}; }
+  void set(std::size_t side, const Direction& direction) noexcept {
+    cosine[side] = direction.cosine;
+    sine[side] = direction.sine;
+  }
+};
+constexpr std::size_t kBefore = 0, kAfter = 1;
+
+Lines fit_lines(const SideSums& m) noexcept {
+  Lines lines;
+  const Pair share = 1.0 / m.n;
+  lines.u = m.u * share;
+  lines.v = m.v * share;
+  const Pair uu = m.uu - m.u * lines.u, uv = m.uv - m.u * lines.v, vv = m.vv - m.v * lines.v;
   // The angle of the larger axis is half that of (uu - vv, 2 uv).
-  const double size = std::sqrt((uu - vv) * (uu - vv) + 4.0 * uv * uv);
-  const double twice = size > 0.0 ? (uu - vv) / size : 1.0;
-  return {u, v, {std::sqrt(0.5 * (1.0 + twice)), std::copysign(std::sqrt(std::max(0.0, 0.5 * (1.0 - twice))), uv)}};
+  const Pair size = root((uu - vv) * (uu - vv) + 4.0 * uv * uv);
+  const Pair twice = size > 0.0 ? (uu - vv) / size : both(1.0);
+  const Pair sine = root(larger(0.5 * (1.0 - twice), both(0.0)));
+  lines.cosine = root(0.5 * (1.0 + twice));
+  lines.sine = Pair{std::copysign(sine[0], uv[0]), std::copysign(sine[1], uv[1])};
+  return lines;
 }
 
 // A broken line over one window. Angles in radians, unlike those of a Bend: most corners are refused without any.
 struct Corner {
-  Line before, after;
+  Lines lines;
   Turning turning;
   bool fitted = false;
   std::uint32_t window = 0;
@@ -56,8 +98,8 @@ struct Corner {
     Bend b;
     b.s = s;
     b.w = w;
-    b.theta_before = before.direction.angle() * kDegrees;
-    b.theta_after = after.direction.angle() * kDegrees;
+    b.theta_before = lines.direction(kBefore).angle() * kDegrees;
+    b.theta_after = lines.direction(kAfter).angle() * kDegrees;
     b.tau = b.theta_after - b.theta_before;
     b.sigma_tau = sigma * kDegrees;
     b.sharpness = sharpness;
@@ -75,15 +117,7 @@ public:
   Window(const Heights& h, std::uint32_t k, std::uint32_t before, std::uint32_t after)
       : s_(h.s.data()), w_(h.w.data()), k_(k), before_(before), after_(after), l_(k), r_(k) {}
 
-  void grow(std::uint32_t samples) noexcept {
-    const std::uint32_t l = k_ - before_ > samples ? k_ - samples : before_;
-    const std::uint32_t r = std::min(after_, k_ + samples);
-    PowerSums left = left_, right = right_; // in registers
-    while (l_ > l) add(left, --l_);
-    while (r_ < r) add(right, ++r_);
-    left_ = left;
-    right_ = right;
-  }
+  void grow(std::uint32_t samples) noexcept;
   [[nodiscard]] std::uint32_t samples() const noexcept { return r_ - l_; }
   /// How the window turns at sample k.
   [[nodiscard]] Corner corner(std::uint32_t window) const noexcept;
@@ -93,14 +127,9 @@ public:
 private:
   [[nodiscard]] double du(std::uint32_t j) const noexcept { return s_[j] - s_[k_]; }
   [[nodiscard]] double dv(std::uint32_t j) const noexcept { return w_[j] - w_[k_]; }
-  template <class Sums>
-  void add(Sums& side, std::uint32_t j) const noexcept {
-    side.add(du(j), dv(j));
-  }
-  [[nodiscard]] Line side(const LineSums& m, std::uint32_t neighbour) const noexcept {
-    if (m.n >= kFewest) return fit_line(m);
+  [[nodiscard]] Direction direction_to(std::uint32_t neighbour) const noexcept {
     const double u = du(neighbour), v = dv(neighbour), norm = std::copysign(1.0 / std::sqrt(u * u + v * v), u);
-    return {0.0, 0.0, {norm * u, norm * v}};
+    return {norm * u, norm * v};
   }
   [[nodiscard]] double sigma(const Corner& corner) const noexcept;
   void place(Corner& corner, const FitScale& scale) const noexcept;
@@ -110,38 +139,61 @@ private:
   const double* const s_;
   const double* const w_;
   std::uint32_t k_, before_, after_, l_, r_;
-  PowerSums left_, right_;
+  SideSums sums_;
 };
+
+void Window::grow(std::uint32_t samples) noexcept {
+  const std::uint32_t l = k_ - before_ > samples ? k_ - samples : before_;
+  const std::uint32_t r = std::min(after_, k_ + samples);
+  const Pair s = both(s_[k_]), w = both(w_[k_]);
+  SideSums sums = sums_; // in registers
+  while (l_ > l && r_ < r) {
+    --l_;
+    ++r_;
+    sums.add(Pair{s_[l_], s_[r_]} - s, Pair{w_[l_], w_[r_]} - w, both(1.0));
+  }
+  while (l_ > l) {
+    --l_;
+    sums.add(Pair{du(l_), 0.0}, Pair{dv(l_), 0.0}, Pair{1.0, 0.0});
+  }
+  while (r_ < r) {
+    ++r_;
+    sums.add(Pair{0.0, du(r_)}, Pair{0.0, dv(r_)}, Pair{0.0, 1.0});
+  }
+  sums_ = sums;
+}
 
 Corner Window::corner(std::uint32_t window) const noexcept {
   Corner corner;
-  corner.before = side(left_, before_);
-  corner.after = side(right_, after_);
-  corner.turning = Turning::between(corner.before.direction, corner.after.direction);
-  corner.fitted = left_.n >= kFewest && right_.n >= kFewest;
+  corner.lines = fit_lines(sums_);
+  const bool before = sums_.n[kBefore] >= kFewest, after = sums_.n[kAfter] >= kFewest;
+  for (const std::size_t side : {kBefore, kAfter}) {
+    if (side == kBefore ? before : after) continue;
+    corner.lines.u[side] = corner.lines.v[side] = 0.0;
+    corner.lines.set(side, direction_to(side == kBefore ? before_ : after_));
+  }
+  corner.turning = Turning::between(corner.lines.direction(kBefore), corner.lines.direction(kAfter));
+  corner.fitted = before && after;
   corner.window = window;
   return corner;
 }
 
 // Standard deviation of the turning where the noise is 1 mm.
 double Window::sigma(const Corner& corner) const noexcept {
-  const auto share = [&](double n, double length, double cosine) {
-    const double along = length / std::max(0.05, cosine);
-    return 12.0 / (std::max(n, 2.0) * along * along);
-  };
-  return std::sqrt(share(left_.n, -du(std::min(l_, k_ - 1)), corner.before.direction.cosine) +
-                   share(right_.n, du(std::max(r_, k_ + 1)), corner.after.direction.cosine));
+  const Pair reach{du(std::min(l_, k_ - 1)), du(std::max(r_, k_ + 1))};
+  const Pair along = reach / larger(corner.lines.cosine, both(0.05));
+  return std::sqrt(sum(12.0 / (larger(sums_.n, both(2.0)) * along * along)));
 }
 
 // Where the two lines meet, if that is nearby.
 void Window::place(Corner& corner, const FitScale& scale) const noexcept {
   corner.s = s_[k_];
   corner.w = w_[k_];
-  const Line &before = corner.before, &after = corner.after;
   if (std::abs(corner.turning.sine) < 1e-9) return;
-  const double t =
-      ((after.u - before.u) * after.direction.sine - (after.v - before.v) * after.direction.cosine) / corner.turning.sine;
-  const double u = before.u + t * before.direction.cosine, v = before.v + t * before.direction.sine;
+  const Lines& lines = corner.lines;
+  const double across = lines.u[kAfter] - lines.u[kBefore], up = lines.v[kAfter] - lines.v[kBefore];
+  const double t = (across * lines.sine[kAfter] - up * lines.cosine[kAfter]) / corner.turning.sine;
+  const double u = lines.u[kBefore] + t * lines.cosine[kBefore], v = lines.v[kBefore] + t * lines.sine[kBefore];
   const double wider = corner.window > scale.least_window ? 2.0 * corner.window / scale.least_window : 1.0;
   const double room = std::min(-du(before_), du(after_));
   const double limit = std::min(3.5 * scale.pitch * wider, 0.6 * room + scale.pitch);
@@ -152,26 +204,23 @@ void Window::place(Corner& corner, const FitScale& scale) const noexcept {
 
 // Sum of squares of the best broken line with its corner at s.
 double Window::corner_error(double s) const noexcept {
-  LineSums left = left_, right = right_, passed;
+  SideSums sums = sums_;
   const double u0 = s - s_[k_];
-  (u0 > 0.0 ? left : right).n += 1.0; // sample k itself
-  if (u0 > 0.0) {
-    for (std::uint32_t j = k_ + 1; j <= r_ && s_[j] < s; ++j) add(passed, j);
-    left.add(passed);
-    right.remove(passed);
-  } else {
-    for (std::uint32_t j = k_; j-- > l_ && s_[j] > s;) add(passed, j);
-    left.remove(passed);
-    right.add(passed);
-  }
-  return broken_error(left, right, u0);
+  const bool beyond = u0 > 0.0;
+  sums.n[beyond ? kBefore : kAfter] += 1.0; // sample k itself
+  LineSums passed;
+  if (beyond)
+    for (std::uint32_t j = k_ + 1; j <= r_ && s_[j] < s; ++j) passed.add(du(j), dv(j));
+  else
+    for (std::uint32_t j = k_; j-- > l_ && s_[j] > s;) passed.add(du(j), dv(j));
+  if (passed.n > 0.0) sums.move(passed, beyond ? Pair{1.0, -1.0} : Pair{-1.0, 1.0});
+  return broken_error(sums, u0);
 }
 
 void Window::measure(Corner& corner, const FitScale& scale) const noexcept {
   corner.sigma = scale.noise * sigma(corner);
   place(corner, scale);
-  PowerSums all = left_;
-  all.add(right_);
+  PowerSums all = sums_.together();
   all.n += 1.0;
   if (all.n < 5.0) return;
   const Parabola arc = Parabola::fit(all);
@@ -260,8 +309,8 @@ std::optional<Bend> find_bend(const Heights& heights, std::uint32_t k, const Rea
   }
   corner->s = edge.s;
   corner->w = edge.w;
-  corner->before.direction = edge.before;
-  corner->after.direction = edge.after;
+  corner->lines.set(kBefore, edge.before);
+  corner->lines.set(kAfter, edge.after);
   corner->sharpness = edge.sharpness;
   corner->window = std::max(corner->window, edge.window);
   Bend bend = corner->bend();

@@ -19,12 +19,6 @@ struct PowerSums : LineSums {
     uuuu += square * square;
     uuv += square * dv;
   }
-  void add(const PowerSums& other) noexcept {
-    LineSums::add(other);
-    uuu += other.uuu;
-    uuuu += other.uuuu;
-    uuv += other.uuv;
-  }
 };
 
 /// v = offset + slope (u - middle) + curvature (u - middle)^2

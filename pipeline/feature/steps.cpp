@@ -73,7 +73,7 @@ void find_walls(const Heights& h, std::uint32_t begin, std::uint32_t end, const 
       if (large == 0) continue;
     }
     for (k = std::max(k, block); k < next; ++k) {
-      if (std::abs(dw(k)) <= test.weak) continue;
+      if (!test.may_seed(ds(k), dw(k))) continue;
       if (!test.seeds(ds(k), dw(k), k > begin ? dw(k - 1) : kNone, k + 2 < end ? dw(k + 1) : kNone)) continue;
       const bool rising = dw(k) > 0.0;
       WallRun wall{k, k + 1, 0, 0, false};

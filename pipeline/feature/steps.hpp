@@ -23,10 +23,14 @@ struct WallTest {
   double strong, weak, noise;
   explicit WallTest(const FitScale& scale) noexcept;
 
-  /// Whether an interval starts a wall by itself; `before`, `after`: height differences of its neighbours, not a number: none.
+  /// Whether an interval is large enough to start a wall.
+  [[nodiscard]] bool may_seed(double ds, double dw) const noexcept {
+    return std::abs(dw) > weak && std::abs(dw) > 0.5 * ds;
+  }
+  /// Whether it starts one by itself; `before`, `after`: height differences of its neighbours, not a number: none.
   [[nodiscard]] bool seeds(double ds, double dw, double before, double after) const noexcept {
+    if (!may_seed(ds, dw)) return false;
     const double size = std::abs(dw);
-    if (size <= weak || size <= 0.5 * ds) return false;
     if (size > kSlope * ds && size > strong) return true;
     return !(std::abs(before) >= 0.35 * size) && !(std::abs(after) >= 0.35 * size);
   }
