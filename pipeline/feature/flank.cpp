@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/feature/flank.hpp"
 
+#include "pipeline/feature/pair.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -16,9 +18,9 @@ constexpr std::uint32_t kBeyond = 3; // samples by which the end of a rounding m
 
 // A line through `size` samples, `gap` samples from the edge.
 struct Stretch {
-  std::uint32_t gap, size;
-  double u, v;         // its middle, from the edge
-  double slope, error; // sum of squares
+  std::uint32_t gap = 0, size = 0;
+  Pair middle{};                   // along and up from the edge
+  double slope = 0.0, error = 0.0; // sum of squares
 };
 
 // The samples from an edge outwards.
@@ -32,7 +34,7 @@ public:
   [[nodiscard]] double s(std::uint32_t i) const noexcept { return s_[step_ * static_cast<std::ptrdiff_t>(i)]; }
   [[nodiscard]] double w(std::uint32_t i) const noexcept { return w_[step_ * static_cast<std::ptrdiff_t>(i)]; }
   [[nodiscard]] Flank flank(const Stretch& line, bool straight) const noexcept {
-    return {*s_ + line.u, *w_ + line.v, line.slope, length(line), line.size, line.gap, straight};
+    return {*s_ + line.middle[0], *w_ + line.middle[1], line.slope, length(line), line.size, line.gap, straight};
   }
   [[nodiscard]] double length(const Stretch& line) const noexcept {
     return std::abs(s(line.gap + line.size - 1) - s(line.gap));
@@ -53,32 +55,34 @@ class Stretches {
 public:
   static constexpr std::uint32_t kMost = 1024; // samples that are looked at
 
-  explicit Stretches(const Side& side) noexcept : side_(side), count_(std::min(side.count(), kMost)) { sums_[0] = {}; }
+  explicit Stretches(const Side& side) noexcept : side_(side), count_(std::min(side.count(), kMost)) {
+    sums_[0] = Sums{Pair{}, Pair{}, 0.0};
+  }
   [[nodiscard]] bool fits(std::uint32_t gap, std::uint32_t size) const noexcept { return gap + size <= count_; }
   [[nodiscard]] Stretch fit(std::uint32_t gap, std::uint32_t size) noexcept {
     if (made_ < gap + size) extend(gap + size);
     const Sums &from = sums_[gap], &to = sums_[gap + size];
-    const double share = 1.0 / size, u = share * (to.u - from.u), v = share * (to.v - from.v);
-    if (size < 3) return {gap, size, u, v, 0.0, 0.0};
-    const double uu = (to.uu - from.uu) - u * (to.u - from.u), uv = (to.uv - from.uv) - u * (to.v - from.v);
-    const double slope = uu > 0.0 ? uv / uu : 0.0;
-    return {gap, size, u, v, slope, std::max(0.0, (to.vv - from.vv) - v * (to.v - from.v) - slope * uv)};
+    const Pair first = to.first - from.first, middle = first / size;
+    if (size < 3) return {gap, size, middle, 0.0, 0.0};
+    const Pair along = to.along - from.along - middle * first[0]; // uu, uv about the middle
+    const double slope = along[0] > 0.0 ? along[1] / along[0] : 0.0;
+    const double up = to.up - from.up - middle[1] * first[1];
+    return {gap, size, middle, slope, std::max(0.0, up - slope * along[1])};
   }
 
 private:
   struct Sums {
-    double u, v, uu, uv, vv;
+    Pair first, along; // u, v; uu, uv
+    double up;         // vv
   };
   void extend(std::uint32_t end) noexcept {
-    const double s0 = side_.s(0), w0 = side_.w(0);
+    const Pair origin{side_.s(0), side_.w(0)};
     Sums sums = sums_[made_];
     while (made_ < end) {
-      const double u = side_.s(made_) - s0, v = side_.w(made_) - w0;
-      sums.u += u;
-      sums.v += v;
-      sums.uu += u * u;
-      sums.uv += u * v;
-      sums.vv += v * v;
+      const Pair place = Pair{side_.s(made_), side_.w(made_)} - origin;
+      sums.first += place;
+      sums.along += place * place[0];
+      sums.up += place[1] * place[1];
       sums_[++made_] = sums;
     }
   }
@@ -180,7 +184,7 @@ private:
 
 Flank FlankSearch::first_straight(std::uint32_t few, std::uint32_t size, std::uint32_t most_gap) noexcept {
   const double limit = straight_limit(few, sigma_), long_limit = straight_limit(size, sigma_);
-  Stretch best{};
+  Stretch best;
   bool straight = false;
   TurningBack passed;
   double least = std::numeric_limits<double>::infinity();

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 namespace scansion {
 
@@ -72,8 +73,10 @@ void find_walls(const Heights& h, std::uint32_t begin, std::uint32_t end, const 
       for (std::uint32_t j = block; j < next; ++j) large += static_cast<std::int64_t>(std::abs(w[j + 1] - w[j]) > test.weak);
       if (large == 0) continue;
     }
-    for (k = std::max(k, block); k < next; ++k) {
-      if (!test.may_seed(ds(k), dw(k))) continue;
+    k = std::max(k, block);
+    for (double there = w[k]; k < next; ++k) {
+      const double here = std::exchange(there, w[k + 1]);
+      if (!test.may_seed(ds(k), there - here)) continue;
       if (!test.seeds(ds(k), dw(k), k > begin ? dw(k - 1) : kNone, k + 2 < end ? dw(k + 1) : kNone)) continue;
       const bool rising = dw(k) > 0.0;
       WallRun wall{k, k + 1, 0, 0, false};
@@ -85,6 +88,7 @@ void find_walls(const Heights& h, std::uint32_t begin, std::uint32_t end, const 
       wall.step = is_step(h, wall, test) && wall.first >= begin + kLineEnd && wall.last + kLineEnd < end;
       walls.push_back(wall);
       k = wall.last - 1;
+      there = w[wall.last];
     }
   }
 }
