@@ -155,9 +155,7 @@ Reach Columns::rows_of_bend(std::int64_t row, std::size_t column) const {
   const auto peak = [&](std::int64_t k) {
     return bend(k) >= half && k > 0 && k + 1 < rows_.size() && bend(k) >= bend(k - 1) && bend(k) >= bend(k + 1);
   };
-  const auto stops = [&](std::int64_t k) {
-    return rows_.may_be_of_step(k, column_.rise(k)) && rows_.is_of_step(k, column);
-  };
+  const auto stops = [&](std::int64_t k) { return rows_.may_be_of_step(k, column_.rise(k)) && rows_.is_of_step(k, column); };
   const std::int64_t least = std::max<std::int64_t>(0, row - reach), most = std::min(rows_.size() - 1, row + reach);
   std::int64_t low = row, high = row;
   while (low > least && !stops(low - 1))

@@ -24,9 +24,7 @@ struct WallTest {
   explicit WallTest(const FitScale& scale) noexcept;
 
   /// Whether an interval is large enough to start a wall.
-  [[nodiscard]] bool may_seed(double ds, double dw) const noexcept {
-    return std::abs(dw) > weak && std::abs(dw) > 0.5 * ds;
-  }
+  [[nodiscard]] bool may_seed(double ds, double dw) const noexcept { return std::abs(dw) > weak && std::abs(dw) > 0.5 * ds; }
   /// Whether it starts one by itself; `before`, `after`: height differences of its neighbours, not a number: none.
   [[nodiscard]] bool seeds(double ds, double dw, double before, double after) const noexcept {
     if (!may_seed(ds, dw)) return false;
