@@ -127,11 +127,7 @@ void Detector::detect(const Profile& profile, const Sampling& sampling, std::vec
   const Heights heights{profile.s, profile.w};
   std::uint32_t begin = 0;
   for (const std::uint32_t end : profile.ends) {
-    const std::size_t known = walls_.size();
-    find_walls(heights, begin, end, scale, walls_);
-    const std::span walls = std::span(walls_).subspan(known);
-    for (std::size_t i = 0; i < walls.size(); ++i)
-      if (walls[i].step) measure_step(heights, begin, end, walls, i, scale, found_);
+    find_steps(heights, begin, end, scale, found_, walls_);
     begin = end;
   }
   for (FeaturePoint& p : found_) {

@@ -45,8 +45,7 @@ Found steps_of(const Section& surface, double pitch, double noise_mm) {
     w.push_back(surface(s.back()) + noise(random));
   }
   Found found;
-  StepFinder finder;
-  finder.find({s, w}, 0, static_cast<std::uint32_t>(s.size()), FitScale::of(noise_mm, pitch, pitch), found.edges, found.walls);
+  find_steps({s, w}, 0, static_cast<std::uint32_t>(s.size()), FitScale::of(noise_mm, pitch, pitch), found.edges, found.walls);
   return found;
 }
 
