@@ -3,6 +3,7 @@
 #include "pipeline/picture/top_view.hpp"
 
 #include "pipeline/export/feature_writer.hpp"
+#include "pipeline/picture/form_names.hpp"
 #include "pipeline/picture/legend.hpp"
 
 #include <algorithm>
@@ -67,6 +68,8 @@ Result<Drawing> draw_top_view(RecordingReader& reader, const ViewContent& conten
   const TopMap map = map_for(outline, margins, size);
   Drawing drawing;
   drawing.text_size = margins.text;
+  drawing.image_x = static_cast<int>(margins.left);
+  drawing.image_y = static_cast<int>(margins.top);
   HeightRange range;
   {
     const bool patches = content.shade == Shade::patch;
@@ -75,9 +78,8 @@ Result<Drawing> draw_top_view(RecordingReader& reader, const ViewContent& conten
     SCANSION_TRY(paint_scan(reader, content.level, patches ? content.findings->runs : kNone, raster, progress));
     range = height_range(raster, outline.high[2] - outline.low[2]);
     drawing.image = relief(raster, range, content.shade);
+    if (patches) add_form_names(drawing, raster, *content.findings);
   }
-  drawing.image_x = static_cast<int>(margins.left);
-  drawing.image_y = static_cast<int>(margins.top);
   Margins placed = margins;
   placed.left = drawing.image_x;
   placed.top = drawing.image_y;

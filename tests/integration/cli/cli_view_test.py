@@ -160,6 +160,28 @@ def heights_patches_and_colours(kit):
         check(page.count(colour, legend) > 4, f"no {kind} in the key")
 
 
+def names_of_forms(kit):
+    place = Place(kit)
+    # A plate of 30 x 30 mm with a pocket of 10 x 8 mm around (9, 20), and a boss of 8 x 8 mm around (22, 8).
+    def height(x, y):
+        return -2.0 if abs(x - 9) < 5 and abs(y - 20) < 4 else 2.0 if abs(x - 22) < 4 and abs(y - 8) < 4 else 0.0
+    lines = [[(0.2 * i, 0.2 * k, height(0.2 * i, 0.2 * k)) for i in range(151)] for k in range(151)]
+    recording = place.scan("forms", lines)
+    root, image, (left, top) = svg_of(place.view(recording, "svg", "--size", 600, "--shade", "patch"))
+    scale = image.width / 30.0
+    where = {text.text: (float(text.get("x")) - left, float(text.get("y")) - top) for text in root.iter(SVG + "text")}
+    for name, x, y, reach in (("pocket", 9, 20, 3), ("boss", 22, 8, 3)):
+        check(name in where, f"no {name} among {sorted(where)}")
+        u, v = where[name]
+        check(abs(u / scale - x) < reach and abs(30 - v / scale - y) < reach, f"{name} at {u / scale:.1f}, {30 - v / scale:.1f}")
+    # The names stand over the colours in both formats, and only there.
+    page, plain = (Picture(place.view(recording, "png", "--size", 600, "--shade", shade)) for shade in ("patch", "height"))
+    inside = (int(left), int(left) + image.width)
+    check(page.count((255, 255, 255), inside) > plain.count((255, 255, 255), inside) + 100, "no ground under names")
+    words = [text.text for text in svg_of(place.view(recording, "svg"))[0].iter(SVG + "text")]
+    check("pocket" not in words, "names on heights")
+
+
 def kept_points(kit):
     place = Place(kit)
     lines = [[(0.1 * i, 0.5 * k, 3.0 if i == 50 else 0.0) for i in range(101)] for k in range(20)]
@@ -195,4 +217,4 @@ def odd_scans_and_refusals(kit):
 
 
 if __name__ == "__main__":
-    run_cases("view", [feature_lines_in_their_place, heights_patches_and_colours, kept_points, odd_scans_and_refusals])
+    run_cases("view", [feature_lines_in_their_place, heights_patches_and_colours, names_of_forms, kept_points, odd_scans_and_refusals])
