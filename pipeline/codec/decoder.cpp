@@ -40,9 +40,11 @@ struct GroupDecoder::Impl {
 Result<void> GroupDecoder::Impl::read_even_ends(ByteReader& from, const LineGroup& group) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (!scales[axis].even) continue;
+    EvenStart start;
+    for (std::int32_t* const value : {&start.first, &start.advance, &start.step}) *value = wrap(from.signed_varint());
     SCANSION_TRY(symbols.begin(from));
     auto& u = state.u[axis];
-    visit_even_ends(group.runs, u, [&](PointIndex i, std::int32_t guess, std::uint32_t context) {
+    visit_even_ends(group.runs, u, start, [&](PointIndex i, std::int32_t guess, std::uint32_t context) {
       u[i] = wrap(std::int64_t{guess} + symbols.next(context));
     });
     if (!symbols.finish()) return fail(Errc::damaged, "the ends of even runs are damaged");
@@ -103,7 +105,7 @@ Result<void> GroupDecoder::Impl::read_fitted_axis(ByteReader& from, const LineGr
     if (value != static_cast<std::int16_t>(value)) return fail(Errc::damaged, "the rest holds an impossible weight");
     w = static_cast<std::int16_t>(value);
   }
-  SCANSION_TRY(symbols.begin(from, rest_points));
+  SCANSION_TRY(symbols.begin_long(from, rest_points));
   std::vector<std::int32_t>& u = state.u[axis];
   if (with_above) {
     find_neighbours(group);
@@ -248,8 +250,12 @@ Result<void> GroupDecoder::add(ByteView level_payload, DecodedGroup& out) {
       header.points > s.lines.points)
     return fail(Errc::damaged, "a level belongs to another group");
   ByteReader from(level_payload.subspan(header_size(header), header.body_size));
-  SCANSION_TRY(rest ? s.read_rest(from, header, out) : s.read_level(from, header, out.group));
-  SCANSION_TRY(s.publish(from, header, out));
+  if (!rest && header.level > 0 && header.points == 0) {
+    s.state.pass_level(out.group.runs);
+  } else {
+    SCANSION_TRY(rest ? s.read_rest(from, header, out) : s.read_level(from, header, out.group));
+    SCANSION_TRY(s.publish(from, header, out));
+  }
   if (!from.at_end()) return fail(Errc::damaged, "bytes follow a level");
   s.state.end_level();
   ++out.known_levels;

@@ -25,6 +25,22 @@ std::size_t main_axis(const LineGroup& group) noexcept {
   return static_cast<std::size_t>(std::ranges::max_element(extent) - extent.begin());
 }
 
+// Where the runs of an even axis begin, and how they go on, for the most part.
+EvenStart even_start(std::span<const Run> runs, std::span<const std::int32_t> u, std::vector<std::int32_t>& advances) {
+  EvenStart start;
+  if (runs.empty()) return start;
+  start.first = u[runs.front().first];
+  const auto several = std::ranges::find_if(runs, [](const Run& run) { return run.count > 1; });
+  if (several != runs.end()) start.step = wrap(even_step(*several, u));
+  advances.clear();
+  for (std::size_t r = 1; r < runs.size(); ++r) advances.push_back(wrap(std::int64_t{u[runs[r].first]} - u[runs[r - 1].first]));
+  if (advances.empty()) return start;
+  const auto middle = advances.begin() + static_cast<std::ptrdiff_t>(advances.size() / 2);
+  std::ranges::nth_element(advances, middle);
+  start.advance = *middle;
+  return start;
+}
+
 } // namespace
 
 std::uint64_t log_time_ns(const ScanLine& line) noexcept {
@@ -156,7 +172,9 @@ void GroupEncoder::Impl::write_even_ends(const LineGroup& group, Bytes& to) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (!scales[axis].even) continue;
     symbols.clear();
-    visit_even_ends(group.runs, state.u[axis], [&](PointIndex i, std::int32_t guess, std::uint32_t context) {
+    const EvenStart start = even_start(group.runs, state.u[axis], ends);
+    for (const std::int32_t value : {start.first, start.advance, start.step}) put_signed(to, value);
+    visit_even_ends(group.runs, state.u[axis], start, [&](PointIndex i, std::int32_t guess, std::uint32_t context) {
       symbols.put(wrap(std::int64_t{state.u[axis][i]} - guess), context);
     });
     symbols.write(to);
@@ -236,7 +254,7 @@ void GroupEncoder::Impl::write_rest(const LineGroup& group, Bytes& to) {
 }
 
 void GroupEncoder::Impl::write_rest_axis(const LineGroup& group, std::size_t axis, Bytes& to) {
-  constexpr std::size_t kSample = 1536;
+  constexpr std::size_t kSample = 2048;
   const auto& u = state.u[axis];
   RestAxis& at = rest_axes[axis];
   const std::size_t stride = std::max<std::size_t>(6, u.size() / kSample);
@@ -253,7 +271,7 @@ void GroupEncoder::Impl::write_rest_axis(const LineGroup& group, std::size_t axi
   const std::size_t start = to.size();
   to.push_back(static_cast<std::byte>(with_above ? RestMode::fitted : RestMode::line));
   for (const std::int16_t w : std::span(weights).first(with_above ? kWeights : kLineWeights)) put_signed(to, w);
-  symbols.write(to);
+  symbols.write_long(to);
   if (!write_plain_axis(group, axis, to.size() - start)) return;
   to.resize(start);
   to.insert(to.end(), plain.begin(), plain.end());
@@ -261,7 +279,7 @@ void GroupEncoder::Impl::write_rest_axis(const LineGroup& group, std::size_t axi
 
 // What repeats itself in a way that no prediction sees is better left to zstd. A small part says whether to try all.
 bool GroupEncoder::Impl::write_plain_axis(const LineGroup& group, std::size_t axis, std::size_t fitted_size) {
-  constexpr std::size_t kPart = 2048;
+  constexpr std::size_t kPart = 1024;
   const auto& u = state.u[axis];
   const std::size_t all = u.size() - state.known.size();
   const auto put = [&](RestMode mode, std::size_t most) {
@@ -359,11 +377,15 @@ void GroupEncoder::encode(const LineGroup& group, const GroupRanks& ranks, const
   for (std::uint8_t k = 0; k <= levels; ++k) {
     const bool rest = k == levels;
     s.body.clear();
-    if (rest)
-      s.write_rest(group, s.body);
-    else
-      s.write_level(group, k, s.body);
-    s.write_leftovers(group, rest, k == 0, s.body);
+    if (!rest && k > 0 && s.level_points[k].empty()) {
+      s.state.pass_level(group.runs);
+    } else {
+      if (rest)
+        s.write_rest(group, s.body);
+      else
+        s.write_level(group, k, s.body);
+      s.write_leftovers(group, rest, k == 0, s.body);
+    }
     header.kind = rest ? PayloadKind::rest : PayloadKind::level;
     header.level = k;
     header.points = static_cast<std::uint32_t>((rest ? points : s.state.vertices.size()) - known);

@@ -65,10 +65,10 @@ void WeightFit::measure() {
   floor_ = kShare * *middle * *middle + 1.0;
 }
 
-// With weights at hand a row counts by what they leave of it, too.
+// With weights at hand a row counts by what they leave of it, too. The first weights are for a choice and need fewer rows.
 WeightFit::Normal WeightFit::normal_of(const std::int32_t* left, std::size_t count) const noexcept {
   Normal normal{};
-  const std::size_t stride = left != nullptr ? 2 : 1;
+  const std::size_t stride = left != nullptr ? 1 : 2;
   for (std::size_t row = 0; row < rows_.size(); row += stride) {
     double square = sizes_[row] * sizes_[row];
     if (left != nullptr) square = (square + static_cast<double>(left[row]) * static_cast<double>(left[row])) / 2;

@@ -22,9 +22,9 @@ std::uint64_t times_its_log(std::uint32_t n) noexcept {
   return n < kSmall ? kSmallProducts[n] : std::uint64_t{n} * log2_fixed(n);
 }
 
-// What a table costs, roughly: its start, and a few bits a token.
-constexpr std::uint64_t kTableCost = std::uint64_t{24} << kLogBits;
-constexpr std::uint64_t kTokenCost = std::uint64_t{2} << kLogBits;
+// What a table costs, roughly: its start, and for each token its class and what its frequency is beside its count.
+constexpr std::uint64_t kTableCost = std::uint64_t{48} << kLogBits;
+constexpr std::uint64_t kTokenCost = std::uint64_t{6} << kLogBits;
 
 } // namespace
 

@@ -54,6 +54,14 @@ void GroupState::end_run(const Run& run, std::size_t& f, std::size_t& k) {
   run_vertices.push_back(static_cast<std::uint32_t>(vertices.size()));
 }
 
+void GroupState::pass_level(std::span<const Run> runs) {
+  fresh.clear();
+  begin_level();
+  std::size_t f = 0;
+  std::size_t k = 0;
+  for (const Run& run : runs) end_run(run, f, k);
+}
+
 void align_runs(const LineGroup& group, const AxisScales& scales, GroupState& state) {
   std::vector<RunPlace>& here = state.places_here;
   std::vector<RunPlace>& above = state.places_above;

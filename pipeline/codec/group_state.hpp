@@ -61,6 +61,8 @@ struct GroupState {
   void begin_level();
   /// When those of a run are: `fresh` and `known` reach beyond it from these indexes on.
   void end_run(const Run& run, std::size_t& f, std::size_t& k);
+  /// All of that for a level without points.
+  void pass_level(std::span<const Run> runs);
   /// known := vertices.
   void end_level() { known.swap(vertices); }
 };

@@ -47,14 +47,21 @@ private:
   std::size_t right_ = 0;
 };
 
-/// Visits the first and last points of all runs on an even axis: a run is expected to begin where the one before does and to go
-/// on in its steps. `code(point, guess, context)` must make u[point] true before it returns.
+/// What is told of an even axis before its runs.
+struct EvenStart {
+  std::int32_t first = 0;   ///< of the first run
+  std::int32_t advance = 0; ///< from run to run
+  std::int32_t step = 0;    ///< from point to point
+};
+
+/// Visits the first and last points of all runs on an even axis: a run is expected to begin `advance` behind the one before and
+/// to go on in its steps. `code(point, guess, context)` must make u[point] true before it returns.
 template <class Code>
-void visit_even_ends(std::span<const Run> runs, std::span<const std::int32_t> u, Code&& code) {
-  std::int32_t first = 0;
-  std::int64_t step = 0;
+void visit_even_ends(std::span<const Run> runs, std::span<const std::int32_t> u, const EvenStart& start, Code&& code) {
+  std::int32_t first = wrap(std::int64_t{start.first} - start.advance);
+  std::int64_t step = start.step;
   for (const Run& run : runs) {
-    code(run.first, first, 0U);
+    code(run.first, wrap(std::int64_t{first} + start.advance), 0U);
     first = u[run.first];
     if (run.count < 2) continue;
     code(run.first + run.count - 1, wrap(first + step * (run.count - 1)), 1U);

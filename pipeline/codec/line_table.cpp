@@ -4,6 +4,7 @@
 
 #include "pipeline/codec/endian.hpp"
 
+#include <algorithm>
 #include <limits>
 
 namespace scansion {
@@ -18,9 +19,11 @@ enum LineFlag : std::uint8_t {
   kRealtime = 4,
   kEncoder = 8,
   kPlane = 16,
-  kOneRun = 32, ///< one run and no invalid sample: only its count follows
+  kOneRun = 32,   ///< one run and no invalid sample: only its count follows
+  kRepeated = 64, ///< how many lines more are the same follows behind all else; they have neither stamps nor planes
 };
-constexpr std::uint8_t kKnownFlags = 63;
+constexpr std::uint8_t kKnownFlags = 127;
+constexpr std::uint8_t kOfItsOwn = kDevice | kMonotonic | kRealtime | kEncoder | kPlane;
 
 // The stamps in the order they are stored, each with its flag.
 struct StampField {
@@ -76,6 +79,30 @@ void read_stamps(ByteReader& from, std::uint8_t flags, Stamps& last, ScanLine& l
   }
 }
 
+// Lines `count` times the same as the last one of the group.
+Result<void> repeat_line(std::uint64_t count, std::uint32_t limit, LineGroup& group) {
+  for (; count > 0; --count) {
+    ScanLine line = group.lines.back();
+    ++line.index;
+    for (std::uint32_t r = 0; r < line.run_count; ++r) {
+      Run run = group.runs[line.first_run + r];
+      run.first = group.runs.back().first + group.runs.back().count;
+      if (run.count > limit - run.first) return fail(Errc::damaged, "the runs of a line do not fit the group");
+      group.runs.push_back(run);
+    }
+    line.first_run += line.run_count;
+    group.lines.push_back(line);
+  }
+  return success();
+}
+
+bool same_lines(const LineGroup& group, const ScanLine& a, const ScanLine& b) noexcept {
+  return !b.plane && b.stamps == Stamps{} && a.invalid_after == b.invalid_after &&
+         std::ranges::equal(group.runs_of(a), group.runs_of(b), [](const Run& x, const Run& y) {
+           return x.count == y.count && x.invalid_before == y.invalid_before;
+         });
+}
+
 } // namespace
 
 void write_line_table(const LineGroup& group, const GroupFacts& facts, Bytes& to) {
@@ -86,13 +113,18 @@ void write_line_table(const LineGroup& group, const GroupFacts& facts, Bytes& to
   }
   if (!facts.fan.empty()) write_fan(facts.fan, to);
   Stamps last;
-  for (const ScanLine& line : group.lines) {
+  for (std::size_t l = 0; l < group.lines.size(); ++l) {
+    const ScanLine& line = group.lines[l];
     const auto runs = group.runs_of(line);
     const bool one = runs.size() == 1 && runs[0].invalid_before == 0 && line.invalid_after == 0;
     std::uint8_t flags = one ? kOneRun : 0;
     for (const auto& [flag, member] : kStamps)
       if (line.stamps.*member) flags = static_cast<std::uint8_t>(flags | flag);
     if (line.plane) flags |= kPlane;
+    std::size_t same = 0;
+    while ((flags & kOfItsOwn) == 0 && l + same + 1 < group.lines.size() && same_lines(group, line, group.lines[l + same + 1]))
+      ++same;
+    if (same > 0) flags |= kRepeated;
     to.push_back(static_cast<std::byte>(flags));
     if (!one) put_varint(to, runs.size());
     for (const Run& run : runs) {
@@ -107,6 +139,8 @@ void write_line_table(const LineGroup& group, const GroupFacts& facts, Bytes& to
     }
     if (line.plane)
       for (const double coefficient : *line.plane) append_le(to, std::bit_cast<std::uint64_t>(coefficient));
+    if (same > 0) put_varint(to, same);
+    l += same;
   }
 }
 
@@ -130,15 +164,20 @@ Result<void> read_line_table(ByteView table, const PayloadHeader& header, LineGr
   Stamps last;
   group.clear();
   group.number = header.group;
-  for (std::uint32_t i = 0; i < header.line_count; ++i) {
+  while (group.lines.size() < header.line_count) {
     const std::uint8_t flags = from.byte();
     if (!from.ok() || flags > kKnownFlags) return fail(Errc::damaged, "a line has unknown flags");
     ScanLine line;
-    line.index = header.first_line + i;
+    line.index = header.first_line + group.lines.size();
     SCANSION_TRY(read_runs(from, flags, header.points, group, line));
     read_stamps(from, flags, last, line);
-    if (!from.ok()) return fail(Errc::damaged, "the line table is cut short");
     group.lines.push_back(line);
+    const bool repeated = (flags & kRepeated) != 0;
+    const std::uint64_t same = repeated ? from.varint() : 0;
+    if (!from.ok()) return fail(Errc::damaged, "the line table is cut short");
+    if (repeated && ((flags & kOfItsOwn) != 0 || same == 0 || same > header.line_count - group.lines.size()))
+      return fail(Errc::damaged, "a line is repeated in an impossible way");
+    SCANSION_TRY(repeat_line(same, header.points, group));
   }
   const std::uint32_t points = group.runs.empty() ? 0 : group.runs.back().first + group.runs.back().count;
   if (!from.at_end() || points != header.points) return fail(Errc::damaged, "the line table and its header disagree");

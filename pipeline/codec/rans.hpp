@@ -8,9 +8,11 @@
 
 namespace scansion {
 
-// 32-bit states in [2^16, 2^32) that take and give 16-bit words; two states take turns, so that one waits less for the other.
+// 32-bit states in [2^16, 2^32) that take and give 16-bit words. In long arrays two states take turns, so that one waits less
+// for the other; short ones save the bytes of the second.
 inline constexpr std::uint32_t kRansLow = 1U << 16U;
-inline constexpr std::size_t kRansStates = 2;
+inline constexpr std::size_t kShortStates = 1;
+inline constexpr std::size_t kLongStates = 2;
 
 /// How to encode each token of one table without a division.
 struct RansEncodeTable {

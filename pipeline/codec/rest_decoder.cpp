@@ -51,7 +51,7 @@ void take_residuals(const RunToTake& run, std::int32_t* size, std::int32_t* u, c
     std::int32_t far = size1;
     for (++i; i < end; ++i) {
       const std::uint32_t doubt = rest_doubt(near, far, kBeside ? run.beside[i] : 0, kBeside);
-      const std::uint32_t folded = cursor.next(tables.of(doubt, cursor));
+      const std::uint32_t folded = cursor.next<kLongStates>(tables.of(doubt, cursor));
       u[i] = unfold(folded);
       move_on(i, folded < kDirectTokens ? static_cast<std::int32_t>((folded + 1) / 2) : size_of_folded(folded));
       near = size2;

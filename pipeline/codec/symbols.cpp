@@ -118,6 +118,7 @@ std::uint64_t SymbolWriter::estimate() {
   return cost >> kLogBits;
 }
 
+template <std::size_t kStates>
 void SymbolWriter::write(Bytes& to) {
   if (!counted_) count();
   const bool zero = last_token_ == 0;
@@ -139,15 +140,19 @@ void SymbolWriter::write(Bytes& to) {
     write_classes(classes, bits);
   }
   bits.flush();
-  write_symbols(to);
+  write_symbols<kStates>(to);
 }
 
+template void SymbolWriter::write<kShortStates>(Bytes& to);
+template void SymbolWriter::write<kLongStates>(Bytes& to);
+
+template <std::size_t kStates>
 void SymbolWriter::write_symbols(Bytes& to) {
   // Last in, first out: the reader's first token is pushed last.
-  words_.resize(2 * size_ + 4 * kRansStates);
+  words_.resize(2 * size_ + 4 * kStates);
   std::byte* const end = words_.data() + words_.size();
   std::byte* at = end;
-  std::array<std::uint32_t, kRansStates> states;
+  std::array<std::uint32_t, kStates> states;
   states.fill(kRansLow);
   std::array<const RansEncodeTable::Entry*, kMaxContexts> entries;
   for (std::size_t c = 0; c < kMaxContexts; ++c) entries[c] = tables_[table_of_[c]].entries.data();
@@ -158,12 +163,12 @@ void SymbolWriter::write_symbols(Bytes& to) {
     --n;
     return rans_push(state, entries[contexts[n]][tokens[n]], at);
   };
-  if (n % 2 != 0) states[0] = push(states[0]);
+  if (n % kStates != 0) states[0] = push(states[0]);
   while (n > 0) {
-    states[1] = push(states[1]);
+    if constexpr (kStates == kLongStates) states[1] = push(states[1]);
     states[0] = push(states[0]);
   }
-  for (std::size_t s = kRansStates; s-- > 0;) store_le(at -= 4, states[s]);
+  for (std::size_t s = kStates; s-- > 0;) store_le(at -= 4, states[s]);
   put_varint(to, static_cast<std::uint64_t>(end - at));
   to.insert(to.end(), at, end);
 
@@ -185,15 +190,15 @@ SymbolReader::SymbolReader() {
   zero_.set(all);
 }
 
-Result<void> SymbolReader::begin(ByteReader& from, std::size_t unheld) {
+Result<void> SymbolReader::begin(ByteReader& from, std::size_t states, std::size_t unheld) {
   const std::size_t tables = from.byte();
   if (!from.ok() || tables > kMaxTables) return fail(Errc::damaged, "coded integers have an impossible number of tables");
   ByteView words;
   ByteView plain;
   if (tables == 0) {
     table_of_.fill(&zero_);
-    words_.assign(4 * kRansStates, std::byte{});
-    for (std::size_t s = 0; s < kRansStates; ++s) store_le(words_.data() + 4 * s, kRansLow);
+    words_.assign(4 * states, std::byte{});
+    for (std::size_t s = 0; s < states; ++s) store_le(words_.data() + 4 * s, kRansLow);
     words = words_;
   } else {
     table_of_.fill(&tables_[tables - 1]);
@@ -215,14 +220,14 @@ Result<void> SymbolReader::begin(ByteReader& from, std::size_t unheld) {
     words = from.bytes(from.varint());
     plain = from.bytes(from.varint());
   }
-  if (!from.ok() || words.size() < 4 * kRansStates || words.size() % 2 != 0)
+  if (!from.ok() || words.size() < 4 * states || words.size() % 2 != 0)
     return fail(Errc::damaged, "coded integers are cut short");
   if (tables != 0) words_.assign(words.begin(), words.end());
   words_.resize(words_.size() + 2 * unheld);
   cursor_.tables_ = table_of_.data();
   cursor_.state_ = load_le<std::uint32_t>(words_.data());
-  cursor_.other_ = load_le<std::uint32_t>(words_.data() + 4);
-  cursor_.next_ = words_.data() + 4 * kRansStates;
+  cursor_.other_ = states == kLongStates ? load_le<std::uint32_t>(words_.data() + 4) : kRansLow;
+  cursor_.next_ = words_.data() + 4 * states;
   cursor_.end_ = words_.data() + words_.size() - 2 * unheld;
   cursor_.bits_ = BitReader(plain);
   return success();

@@ -32,14 +32,18 @@ public:
   }
   /// About how many bits write() would take, for a choice between two ways.
   [[nodiscard]] std::uint64_t estimate();
-  /// Appends the values put since clear().
-  void write(Bytes& to);
+  /// Appends the values put since clear(). The reader is told by where they stand which of the two it was.
+  void write(Bytes& to) { write<kShortStates>(to); }
+  void write_long(Bytes& to) { write<kLongStates>(to); }
 
 private:
   void grow(std::size_t more);
   void count();
   void find_plain();
   void choose_tables();
+  template <std::size_t kStates>
+  void write(Bytes& to);
+  template <std::size_t kStates>
   void write_symbols(Bytes& to);
 
   // The first size_ of these count; the others are memory.
@@ -68,6 +72,7 @@ public:
   public:
     [[nodiscard]] const RansDecodeTable& table(std::uint32_t context) const noexcept { return *tables_[context]; }
     /// The folded form of the next value. Part of the loop around it, which then keeps all of this in registers.
+    template <std::size_t kStates>
     [[nodiscard]] __attribute__((always_inline)) std::uint32_t next(const RansDecodeTable& table) noexcept {
       const std::uint32_t slot = state_ & (kTotal - 1);
       const std::uint32_t token = table.token[slot];
@@ -76,8 +81,8 @@ public:
       // Nobody can tell beforehand when it is low, so nothing here may become a branch.
       const std::uint32_t low = 0U - (state < kRansLow ? 1U : 0U);
       const std::uint32_t refilled = state << 16U | load_le<std::uint16_t>(next_);
-      state_ = other_;
-      other_ = state ^ ((state ^ refilled) & low);
+      if constexpr (kStates == kLongStates) state_ = other_;
+      (kStates == kLongStates ? other_ : state_) = state ^ ((state ^ refilled) & low);
       next_ += low & 2U;
       if (token < kDirectTokens) return token;
       const TokenRange range = kTokenRanges[token];
@@ -90,26 +95,30 @@ public:
   private:
     friend class SymbolReader;
     const RansDecodeTable* const* tables_ = nullptr; ///< by context
-    std::uint32_t state_ = 0, other_ = 0;            ///< whose turn it is, and the other
+    std::uint32_t state_ = 0, other_ = 0;            ///< whose turn it is, and the other, if there is one
     const std::byte* next_ = nullptr;
     const std::byte* end_ = nullptr; ///< some bytes may be read behind it
     BitReader bits_;
   };
 
   SymbolReader();
-  /// Takes the array's bytes from `from`. A cursor must hold() after `unheld` values at the latest.
-  [[nodiscard]] Result<void> begin(ByteReader& from, std::size_t unheld = 1);
+  /// Takes the bytes of a short array from `from`.
+  [[nodiscard]] Result<void> begin(ByteReader& from) { return begin(from, kShortStates, 1); }
   [[nodiscard]] std::int32_t next(std::uint32_t context) noexcept {
-    const std::uint32_t folded = cursor_.next(cursor_.table(context));
+    const std::uint32_t folded = cursor_.next<kShortStates>(cursor_.table(context));
     cursor_.hold();
     return unfold(folded);
   }
+  /// The same of a long one, which is read with a cursor; that must hold() after `unheld` values at the latest.
+  [[nodiscard]] Result<void> begin_long(ByteReader& from, std::size_t unheld) { return begin(from, kLongStates, unheld); }
   [[nodiscard]] Cursor cursor() const noexcept { return cursor_; }
   void set(const Cursor& cursor) noexcept { cursor_ = cursor; }
   /// True when exactly the bytes given were used.
   [[nodiscard]] bool finish() const noexcept;
 
 private:
+  [[nodiscard]] Result<void> begin(ByteReader& from, std::size_t states, std::size_t unheld);
+
   std::array<RansDecodeTable, kMaxTables> tables_{};
   RansDecodeTable zero_{}; ///< for arrays that hold nothing but 0 and have no table
   std::array<const RansDecodeTable*, kMaxContexts> table_of_{};

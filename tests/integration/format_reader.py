@@ -79,7 +79,7 @@ class Table:
 class Coded:
     """Integers with contexts: next(context), and end() when all are taken."""
 
-    def __init__(self, body):
+    def __init__(self, body, states):
         self.where, count = body.where, body.byte()
         need(count <= 12, f"{self.where}: {count} tables")
         self.tables, self.n = [], 0
@@ -92,15 +92,15 @@ class Coded:
         body.take((bits.at + 7) // 8)
         self.tables = [table for table, a, b in zip(tables, starts, starts[1:]) for _ in range(b - a)]
         words = body.take(body.varint())
-        need(len(words) >= 8 and len(words) % 2 == 0, f"{self.where}: {len(words)} bytes of words")
-        self.states = list(struct.unpack_from("<2I", words))
-        self.words = iter(struct.unpack(f"<{len(words) // 2 - 4}H", words[8:]))
+        need(len(words) >= 4 * states and len(words) % 2 == 0, f"{self.where}: {len(words)} bytes of words")
+        self.states = list(struct.unpack_from(f"<{states}I", words))
+        self.words = iter(struct.unpack(f"<{len(words) // 2 - 2 * states}H", words[4 * states:]))
         self.plain = Bits(body.take(body.varint()), self.where)
 
     def next(self, context):
         if not self.tables:
             return 0
-        table, turn = self.tables[context], self.n % 2
+        table, turn = self.tables[context], self.n % len(self.states)
         self.n += 1
         x = self.states[turn]
         token = table.token[x % 4096]
@@ -113,7 +113,7 @@ class Coded:
 
     def end(self):
         if self.tables:
-            need(self.states == [65536, 65536] and next(self.words, None) is None, f"{self.where}: coded integers do not end")
+            need(set(self.states) == {65536} and next(self.words, None) is None, f"{self.where}: coded integers do not end")
             self.plain.end()
 
 
@@ -174,8 +174,8 @@ class Body(Fields):
     def rest(self):
         return self.content[self.at:]
 
-    def coded(self):
-        return Coded(self)
+    def coded(self, states=1):
+        return Coded(self, states)
 
 
 class Header:
@@ -308,8 +308,9 @@ class Group:
         self.fan = Fan(table, header.points) if flags & 2 else None
         self.lines, self.runs, self.count = [], [], 0
         last = [0] * 4
-        for i in range(header.lines):
-            self.read_line(table, header.first_line + i, last)
+        while len(self.lines) < header.lines:
+            self.read_line(table, header.first_line + len(self.lines), last)
+        need(len(self.lines) == header.lines, f"{table.where}: lines repeated beyond the end")
         table.end()
         need(self.count == header.points, f"{table.where}: {self.count} points in the table, header says {header.points}")
         self.level = [UNKNOWN] * self.count
@@ -320,7 +321,7 @@ class Group:
 
     def read_line(self, table, index, last):
         line, flags = Line(index), table.byte()
-        need(flags < 64, f"{table.where}: line flags {flags}")
+        need(flags < 128 and not (flags & 64 and flags & 31), f"{table.where}: line flags {flags}")
         if flags & 32:
             counts = [table.varint()]
             samples = [0]
@@ -336,9 +337,19 @@ class Group:
                 last[bit] = line.stamps[bit] = (last[bit] + table.signed()) % (1 << 64)
         if flags & 16:
             line.plane = struct.unpack("<3d", table.take(24))
+        need(all(count >= 1 for count in counts), f"{table.where}: a run without points")
+        self.add_line(line, counts, samples)
+        if flags & 64:
+            more = table.varint()
+            need(more >= 1, f"{table.where}: a line repeated no times")
+            for i in range(more):
+                same = Line(index + 1 + i)
+                same.invalid = line.invalid
+                self.add_line(same, counts, samples)
+
+    def add_line(self, line, counts, samples):
         line.first = self.count
         for count, sample in zip(counts, samples):
-            need(count >= 1, f"{table.where}: a run without points")
             line.runs.append(Run(self.count, count, sample))
             self.count += count
         line.end = self.count
@@ -348,6 +359,9 @@ class Group:
     def add(self, header):
         """A level or the rest, in their order."""
         body = header.body
+        if header.kind != REST and header.level and not header.points:
+            body.end()
+            return
         if header.kind == REST:
             new = [i for i in range(self.count) if self.level[i] == UNKNOWN]
             self.read_rest(body, new)
@@ -414,9 +428,10 @@ class Group:
         for u, even in zip(self.u, self.even):
             if not even:
                 continue
-            coded, first, step = body.coded(), 0, 0
+            first, advance, step = (wrap(body.signed()) for _ in range(3))
+            coded, first = body.coded(), first - advance
             for run in self.runs:
-                first = u[run.first] = wrap(first + coded.next(0))
+                first = u[run.first] = wrap(first + advance + coded.next(0))
                 if len(run) > 1:
                     u[run.last] = wrap(first + step * (len(run) - 1) + coded.next(1))
                     step = run.step(u)
@@ -514,7 +529,7 @@ class Group:
                 continue
             weights = [body.signed() for _ in range(8 if mode else 14)]
             need(all(-32768 <= w <= 32767 for w in weights), f"{body.where}: weights {weights}")
-            coded = body.coded()
+            coded = body.coded(2)
             beside = [(None, 0, 0)] * self.count if mode else neighbours
             self.read_fitted(self.u[axis], curves[axis], weights, coded, new, starts, beside)
             coded.end()

@@ -57,6 +57,77 @@ TEST(AxisScale, ExtremesFit) {
   }
 }
 
+using Runs = std::vector<Run>; // in tests Run is a function
+using Lines = std::vector<Runs>;
+
+LineGroup group_of(const Lines& lines) {
+  LineGroup group;
+  for (const auto& runs : lines) {
+    ScanLine line;
+    line.index = group.lines.size();
+    line.first_run = static_cast<std::uint32_t>(group.runs.size());
+    line.run_count = static_cast<std::uint32_t>(runs.size());
+    for (Run run : runs) {
+      run.first = group.runs.empty() ? 0 : group.runs.back().first + group.runs.back().count;
+      group.runs.push_back(run);
+    }
+    group.lines.push_back(line);
+  }
+  return group;
+}
+
+PayloadHeader header_of(const LineGroup& group) {
+  PayloadHeader header;
+  header.line_count = static_cast<std::uint16_t>(group.lines.size());
+  header.points = group.runs.empty() ? 0 : group.runs.back().first + group.runs.back().count;
+  return header;
+}
+
+Bytes table_of(const LineGroup& group) {
+  Bytes table;
+  write_line_table(group, {}, table);
+  return table;
+}
+
+void expect_lines_come_back(const LineGroup& group) {
+  LineGroup back;
+  GroupFacts facts;
+  const auto read = read_line_table(table_of(group), header_of(group), back, facts);
+  ASSERT_TRUE(read) << read.error().context;
+  EXPECT_EQ(back.lines, group.lines);
+  EXPECT_EQ(back.runs, group.runs);
+}
+
+TEST(LineTable, LinesThatAreTheSameAreToldOnce) {
+  const Runs plain{{0, 800, 0}};
+  const Runs broken{{0, 5, 2}, {0, 7, 1}};
+  const LineGroup same = group_of(Lines(64, plain));
+  expect_lines_come_back(same);
+  EXPECT_LT(table_of(same).size(), table_of(group_of({plain})).size() + 3);
+  expect_lines_come_back(group_of({plain, plain, broken, broken, broken, {}, {}, plain}));
+  LineGroup stamped = group_of({plain, plain, plain, plain});
+  stamped.lines[1].stamps.encoder = 5;
+  stamped.lines[2].stamps.encoder = 5;
+  stamped.lines[3].invalid_after = 1;
+  expect_lines_come_back(stamped);
+}
+
+TEST(LineTable, ImpossibleRepetitionsAreDamage) {
+  const LineGroup same = group_of(Lines(4, {{0, 9, 0}}));
+  Bytes table = table_of(same);
+  LineGroup back;
+  GroupFacts facts;
+  const PayloadHeader header = header_of(same);
+  for (const int more : {0, 2, 4, 127}) { // 3 is right
+    table.back() = static_cast<std::byte>(more);
+    EXPECT_FALSE(read_line_table(table, header, back, facts)) << more;
+  }
+  table.back() = std::byte{3};
+  EXPECT_TRUE(read_line_table(table, header, back, facts));
+  table[table.size() - 3] |= std::byte{8}; // a line with an encoder count of its own
+  EXPECT_FALSE(read_line_table(table, header, back, facts));
+}
+
 TEST(AxisScale, EvenRunsAreFound) {
   std::vector<std::int32_t> scratch;
   const std::vector<scansion::Run> runs{{0, 3, 0}, {3, 1, 0}, {4, 4, 2}};

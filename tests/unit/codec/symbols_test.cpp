@@ -73,7 +73,29 @@ Bytes written(const std::vector<Value>& values) {
   return bytes;
 }
 
+// The same as a long array, read with a cursor that leaves its bytes only once in a while.
+void expect_comes_back_long(const std::vector<Value>& values) {
+  SymbolWriter writer;
+  writer.clear();
+  for (const Value& v : values) writer.put(v.value, v.context);
+  Bytes bytes;
+  writer.write_long(bytes);
+  SymbolReader reader;
+  ByteReader from(bytes);
+  constexpr std::size_t kUnheld = 100;
+  ASSERT_TRUE(reader.begin_long(from, kUnheld));
+  EXPECT_TRUE(from.at_end());
+  auto cursor = reader.cursor();
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    ASSERT_EQ(unfold(cursor.next<kLongStates>(cursor.table(values[i].context))), values[i].value);
+    if (i % kUnheld == kUnheld - 1) cursor.hold();
+  }
+  reader.set(cursor);
+  EXPECT_TRUE(reader.finish());
+}
+
 void expect_comes_back(const std::vector<Value>& values) {
+  expect_comes_back_long(values);
   const Bytes bytes = written(values);
   SymbolReader reader;
   ByteReader from(bytes);
