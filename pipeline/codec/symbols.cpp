@@ -164,7 +164,7 @@ void SymbolWriter::write_symbols(Bytes& to) {
     return rans_push(state, entries[contexts[n]][tokens[n]], at);
   };
   if (n % kStates != 0) states[0] = push(states[0]);
-  while (n > 0) {
+  for (std::size_t turns = n / kStates; turns > 0; --turns) {
     if constexpr (kStates == kLongStates) states[1] = push(states[1]);
     states[0] = push(states[0]);
   }

@@ -32,6 +32,7 @@ TEST(AxisScale, FindsTheSharedStep) {
 TEST(AxisScale, SplitsWhenNearlyAllShareACoarserStep) {
   std::mt19937 random(1);
   std::vector<std::int32_t> values;
+  values.reserve(2000);
   for (int i = 0; i < 2000; ++i)
     values.push_back(static_cast<std::int32_t>(random() % 2000000) * 1000 + (i % 20 == 0 ? 370 : 0) - 1000000000);
   const AxisScale scale = find_scale(values);
@@ -51,6 +52,7 @@ TEST(AxisScale, ExtremesFit) {
   std::mt19937 random(2);
   for (int round = 0; round < 200; ++round) {
     std::vector<std::int32_t> values;
+    values.reserve(100);
     const auto step = static_cast<std::int32_t>(1 + random() % 100000);
     for (int i = 0; i < 100; ++i) values.push_back(static_cast<std::int32_t>(random()) / step * step);
     expect_scale_holds(values);
@@ -155,6 +157,7 @@ TEST(AxisScale, StepsAreTheSameAsByDivision) {
   for (int round = 0; round < 300; ++round) {
     const auto step = static_cast<std::int32_t>(1 + random() % (round % 2 == 0 ? 1000 : 100000000));
     std::vector<std::int32_t> values;
+    values.reserve(50);
     for (int i = 0; i < 50; ++i) values.push_back(static_cast<std::int32_t>(random()) / step * step + 17 % step);
     const AxisScale scale = find_scale(values);
     std::vector<std::int32_t> u(values.size());
