@@ -8,7 +8,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <utility>
 
 namespace scansion {
 
@@ -45,6 +44,23 @@ double wall_slope(const Heights& h, std::uint32_t first, std::uint32_t last) noe
   return uv / uu;
 }
 
+// The first interval from k on that is large enough to start a wall; `last`: none is.
+std::uint32_t first_large(const double* s, const double* w, std::uint32_t k, std::uint32_t last, const WallTest& test) noexcept {
+  const double weak = test.weak;
+  for (; k < last; ++k) {
+    const double size = std::abs(w[k + 1] - w[k]);
+    if (size > weak && test.may_seed(s[k + 1] - s[k], size)) break;
+  }
+  return k;
+}
+
+// Whether any interval from k on is high enough for a wall; most blocks of a long run hold none.
+bool any_high(const double* w, std::uint32_t k, std::uint32_t last, const WallTest& test) noexcept {
+  std::int64_t high = 0;
+  for (; k < last; ++k) high += static_cast<std::int64_t>(std::abs(w[k + 1] - w[k]) > test.weak);
+  return high > 0;
+}
+
 // Few samples on the wall, or none where it stands upright between its roundings.
 bool is_step(const Heights& h, const WallRun& wall, const WallTest& test) {
   const std::uint32_t intervals = wall.last - wall.first;
@@ -58,6 +74,7 @@ WallTest::WallTest(const FitScale& scale) noexcept
     : strong(std::max(8.0 * scale.noise, 0.09)), weak(std::max(8.0 * scale.noise, 0.05)), noise(4.0 * scale.noise) {}
 
 void find_walls(const Heights& h, std::uint32_t begin, std::uint32_t end, const FitScale& scale, std::vector<WallRun>& walls) {
+  if (begin == end) return;
   const WallTest test(scale);
   const std::size_t known = walls.size();
   const double* const s = h.s.data();
@@ -65,30 +82,29 @@ void find_walls(const Heights& h, std::uint32_t begin, std::uint32_t end, const 
   const auto ds = [&](std::uint32_t k) { return s[k + 1] - s[k]; };
   const auto dw = [&](std::uint32_t k) { return w[k + 1] - w[k]; };
   constexpr double kNone = std::numeric_limits<double>::infinity(); // the ends of a run start no wall by themselves
-  // Most blocks hold none; a short rest is looked through at once.
-  for (std::uint32_t block = begin, k = begin; block + 1 < end; block += kBlock) {
-    const std::uint32_t next = std::min(end - 1, block + kBlock);
-    if (next - block == kBlock) {
-      std::int64_t large = 0;
-      for (std::uint32_t j = block; j < next; ++j) large += static_cast<std::int64_t>(std::abs(w[j + 1] - w[j]) > test.weak);
-      if (large == 0) continue;
-    }
+  const std::uint32_t last = end - 1;
+  std::uint32_t k = begin;
+  const auto take_wall = [&] {
+    const bool rising = dw(k) > 0.0;
+    WallRun wall{k, k + 1, 0, 0, false};
+    const std::uint32_t floor = walls.size() > known ? walls.back().last : begin;
+    while (wall.first > floor && test.grows(ds(wall.first - 1), dw(wall.first - 1), rising)) --wall.first;
+    while (wall.last < last && test.grows(ds(wall.last), dw(wall.last), rising)) ++wall.last;
+    wall.low = wall.first;
+    wall.high = wall.last;
+    wall.step = is_step(h, wall, test) && wall.first >= begin + kLineEnd && wall.last + kLineEnd < end;
+    walls.push_back(wall);
+    k = wall.last;
+  };
+  for (std::uint32_t block = begin; block < last; block += kBlock) {
+    const std::uint32_t next = std::min(last, block + kBlock);
+    if (next - block == kBlock && !any_high(w, block, next, test)) continue;
     k = std::max(k, block);
-    for (double there = w[k]; k < next; ++k) {
-      const double here = std::exchange(there, w[k + 1]);
-      if (!test.may_seed(ds(k), there - here)) continue;
-      if (!test.seeds(ds(k), dw(k), k > begin ? dw(k - 1) : kNone, k + 2 < end ? dw(k + 1) : kNone)) continue;
-      const bool rising = dw(k) > 0.0;
-      WallRun wall{k, k + 1, 0, 0, false};
-      const std::uint32_t floor = walls.size() > known ? walls.back().last : begin;
-      while (wall.first > floor && test.grows(ds(wall.first - 1), dw(wall.first - 1), rising)) --wall.first;
-      while (wall.last + 1 < end && test.grows(ds(wall.last), dw(wall.last), rising)) ++wall.last;
-      wall.low = wall.first;
-      wall.high = wall.last;
-      wall.step = is_step(h, wall, test) && wall.first >= begin + kLineEnd && wall.last + kLineEnd < end;
-      walls.push_back(wall);
-      k = wall.last - 1;
-      there = w[wall.last];
+    while ((k = first_large(s, w, k, next, test)) < next) {
+      if (test.seeds(ds(k), dw(k), k > begin ? dw(k - 1) : kNone, k + 1 < last ? dw(k + 1) : kNone))
+        take_wall();
+      else
+        ++k;
     }
   }
 }
