@@ -31,7 +31,7 @@ public:
   }
   /// Whether the interval from this row to the next one is a steep one of a wall that is a step.
   [[nodiscard]] bool is_of_step(std::int64_t row, std::size_t column) const;
-  /// Whether it is the first of a wall that is a step.
+  /// Whether it is the first of a wall that is a step; asked of intervals that rise or fall.
   [[nodiscard]] bool starts_step(std::int64_t row, std::size_t column) const;
 
 private:

@@ -52,16 +52,18 @@ void Detector::add_vertex(const Profile& profile, const Vertex& vertex, std::uin
                           const Sampling& sampling, const FitScale& scale, double least) {
   constexpr double kSlope = 0.2493280028432; // tangent of 14 degrees: each side of a smooth crest
   constexpr double kTotal = 42.0;            // degrees: both sides
-  constexpr double kRound = 0.5;                 // mm: a crest of this radius is smooth
+  constexpr double kRound = 0.5;             // mm: a crest of this radius is smooth
   const Heights heights{profile.s, profile.w};
   const Reach reach{std::max(vertex.before, first), std::min(vertex.after, last), first, last};
   std::optional<Bend> bend = find_bend(heights, vertex.k, reach, scale);
   bool smooth = false;
   if (!bend || bend->sharpness < 0.0 || bend->rounding > kRound) {
-    const double before_s = profile.s[vertex.k] - profile.s[vertex.before], before_w = profile.w[vertex.k] - profile.w[vertex.before];
-    const double after_s = profile.s[vertex.after] - profile.s[vertex.k], after_w = profile.w[vertex.after] - profile.w[vertex.k];
-    const bool top = (before_w > 0.0) != (after_w > 0.0) && std::abs(before_w) >= kSlope * before_s &&
-                     std::abs(after_w) >= kSlope * after_s;
+    const double before_s = profile.s[vertex.k] - profile.s[vertex.before],
+                 before_w = profile.w[vertex.k] - profile.w[vertex.before];
+    const double after_s = profile.s[vertex.after] - profile.s[vertex.k],
+                 after_w = profile.w[vertex.after] - profile.w[vertex.k];
+    const bool top =
+        (before_w > 0.0) != (after_w > 0.0) && std::abs(before_w) >= kSlope * before_s && std::abs(after_w) >= kSlope * after_s;
     const double before = top ? angle(before_s, before_w) : 0.0, after = top ? angle(after_s, after_w) : 0.0;
     const bool crest = top && std::abs(after - before) >= kTotal;
     if (crest) {

@@ -45,7 +45,8 @@ double wall_slope(const Heights& h, std::uint32_t first, std::uint32_t last) noe
 }
 
 // The first interval from k on that is large enough to start a wall; `last`: none is.
-std::uint32_t first_large(const double* s, const double* w, std::uint32_t k, std::uint32_t last, const WallTest& test) noexcept {
+std::uint32_t first_large(const double* s, const double* w, std::uint32_t k, std::uint32_t last,
+                          const WallTest& test) noexcept {
   const double weak = test.weak;
   for (; k < last; ++k) {
     const double size = std::abs(w[k + 1] - w[k]);
