@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/feature/smoothing.hpp"
 
+#include "pipeline/feature/pair.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,14 +15,8 @@ namespace {
 constexpr std::size_t kReach = 3;
 constexpr std::size_t kMost = 2 * kReach + 1;
 
-/// Place along the lines and height, which are smoothed alike: two lanes of one vector.
-using Pair = double __attribute__((vector_size(2 * sizeof(double))));
-
-Pair both(double value) noexcept {
-  return Pair{value, value};
-}
-
-/// Those that are missing at the ends of a track weigh nothing: loops of one length take fewer instructions.
+/// Place along the lines and height, which are smoothed alike. The point itself stands in the middle, with t = 0 and value = 0;
+/// those that are missing at the ends of a track weigh nothing: loops of one length take fewer instructions.
 struct Samples {
   std::array<Pair, kMost> t{}, weight{}, value{};
 };
@@ -35,8 +31,9 @@ Quadratic fit(const Samples& x, const std::array<Pair, kMost>& weight, std::size
   constexpr double kNothing = 1e-12; // of the first pivot
   Pair s0{}, s1{}, s2{}, s3{}, s4{}, v0{}, v1{}, v2{};
   for (std::size_t i = 0; i < kMost; ++i) {
+    s0 += weight[i];
+    if (i == kReach) continue;
     const Pair t = x.t[i], w = weight[i], wt = w * t, wtt = wt * t;
-    s0 += w;
     s1 += wt;
     s2 += wtt;
     s3 += wtt * t;
@@ -87,9 +84,10 @@ void smooth(Track& track, std::size_t first, std::size_t last) {
     for (std::size_t j = low; j <= high; ++j) {
       const TrackPoint& other = track.points[j];
       const double sigma = std::max(1e-6, other.feature.sigma_s);
-      x.t[j - low] = both((other.r - p.r) * unit);
-      x.value[j - low] = Pair{other.q - p.q, other.w - p.w};
-      x.weight[j - low] = both(1.0 / (sigma * sigma));
+      const std::size_t k = j + kReach - i;
+      x.t[k] = both((other.r - p.r) * unit);
+      x.value[k] = Pair{other.q - p.q, other.w - p.w};
+      x.weight[k] = both(1.0 / (sigma * sigma));
     }
     const Pair smoothed = robust_value(x, high - low + 1);
     p.smooth_q = p.q + smoothed[0];
