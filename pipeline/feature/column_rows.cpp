@@ -55,7 +55,7 @@ bool ColumnRows::starts_step(std::int64_t row, std::size_t column) const {
   return seeded && is_step(row, k, column);
 }
 
-bool ColumnRows::is_of_step(std::int64_t row, std::size_t column) const {
+bool ColumnRows::is_of_wall(std::int64_t row, std::size_t column) const {
   const double dw = rise(row, column);
   if (!(std::abs(dw) > test_.strong && std::abs(dw) > WallTest::kSlope * run(row))) return false;
   std::int64_t low = row, high = row + 1;

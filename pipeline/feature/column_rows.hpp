@@ -25,12 +25,11 @@ public:
   [[nodiscard]] const ColumnRow& operator[](std::int64_t row) const noexcept { return rows_[static_cast<std::size_t>(row)]; }
   [[nodiscard]] std::span<const double> places() const noexcept { return places_; } ///< c of each row
 
-  /// Whether an interval from this row to the next one that rises so much may be of a step.
-  [[nodiscard]] bool may_be_of_step(std::int64_t row, float rise) const noexcept {
-    return std::abs(rise) >= steep_[static_cast<std::size_t>(row)];
-  }
   /// Whether the interval from this row to the next one is a steep one of a wall that is a step.
-  [[nodiscard]] bool is_of_step(std::int64_t row, std::size_t column) const;
+  [[nodiscard]] bool is_of_step(std::int64_t row, std::size_t column) const {
+    const float size = std::abs((*this)[row + 1].height[column] - (*this)[row].height[column]);
+    return size >= steep_[static_cast<std::size_t>(row)] && is_of_wall(row, column);
+  }
   /// Whether it is the first of a wall that is a step; asked of intervals that rise or fall.
   [[nodiscard]] bool starts_step(std::int64_t row, std::size_t column) const;
 
@@ -42,6 +41,7 @@ private:
   }
   [[nodiscard]] double rise_if_any(std::int64_t row, std::size_t column) const noexcept;
   [[nodiscard]] bool grows(std::int64_t row, std::size_t column, bool rising) const noexcept;
+  [[nodiscard]] bool is_of_wall(std::int64_t row, std::size_t column) const;
   [[nodiscard]] bool is_step(std::int64_t low, std::int64_t high, std::size_t column) const;
 
   WallTest test_{FitScale{}};
@@ -60,11 +60,6 @@ public:
   [[nodiscard]] std::uint32_t index(std::int64_t row) const noexcept {
     const auto at = static_cast<std::uint32_t>(row - first_);
     return index_.empty() ? at : index_[at];
-  }
-  /// From a row to the next one; not a number: a hole.
-  [[nodiscard]] float rise(std::int64_t row) const noexcept {
-    const auto at = static_cast<std::size_t>(row - first_);
-    return raw_[at + 1] - raw_[at];
   }
 
 private:

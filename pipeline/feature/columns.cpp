@@ -147,7 +147,7 @@ ColumnPoint Columns::column_point(std::int64_t r, std::size_t column, const Feat
   return point;
 }
 
-// The rows of column_ that a fit may use: not beyond those that bend half as much themselves, nor beyond steps.
+// The rows that a fit may use: not beyond those that bend half as much themselves, nor beyond steps.
 Reach Columns::rows_of_bend(std::int64_t row, std::size_t column) const {
   const auto reach = static_cast<std::int64_t>(reach_), near = static_cast<std::int64_t>(window_) / 2;
   const auto bend = [&](std::int64_t k) { return std::abs(rows_[k].bend[column]); };
@@ -155,12 +155,11 @@ Reach Columns::rows_of_bend(std::int64_t row, std::size_t column) const {
   const auto peak = [&](std::int64_t k) {
     return bend(k) >= half && k > 0 && k + 1 < rows_.size() && bend(k) >= bend(k - 1) && bend(k) >= bend(k + 1);
   };
-  const auto stops = [&](std::int64_t k) { return rows_.may_be_of_step(k, column_.rise(k)) && rows_.is_of_step(k, column); };
   const std::int64_t least = std::max<std::int64_t>(0, row - reach), most = std::min(rows_.size() - 1, row + reach);
   std::int64_t low = row, high = row;
-  while (low > least && !stops(low - 1))
+  while (low > least && !rows_.is_of_step(low - 1, column))
     if (--low < row - near && peak(low)) break;
-  while (high < most && !stops(high))
+  while (high < most && !rows_.is_of_step(high, column))
     if (++high > row + near && peak(high)) break;
   return {static_cast<std::uint32_t>(low), static_cast<std::uint32_t>(high), 0, 0};
 }
@@ -170,9 +169,9 @@ void Columns::measure_bend(std::int64_t r, std::size_t column, const Sampling& s
   constexpr std::uint32_t kFewest = 2; // a side
   const std::int64_t at = r - first_;
   const auto row = static_cast<std::uint32_t>(at);
-  column_.take(rows_, at, static_cast<std::int64_t>(flank_reach_), column, base_);
   Reach reach = rows_of_bend(at, column);
   if (row - reach.before < kFewest || reach.after - row < kFewest) return;
+  column_.take(rows_, at, static_cast<std::int64_t>(flank_reach_), column, base_);
   const std::uint32_t k = column_.index(at);
   reach.last = column_.size() - 1;
   reach.before = column_.index(reach.before);

@@ -15,7 +15,6 @@ namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr std::uint32_t kLineEnd = 3; // samples at the end of a run that show no feature
-constexpr std::uint32_t kBlock = 64;  // intervals
 
 std::uint32_t steepest_interval(const Heights& h, std::uint32_t first, std::uint32_t last) noexcept {
   std::uint32_t best = first;
@@ -44,22 +43,15 @@ double wall_slope(const Heights& h, std::uint32_t first, std::uint32_t last) noe
   return uv / uu;
 }
 
-// The first interval from k on that is large enough to start a wall; `last`: none is.
-std::uint32_t first_large(const double* s, const double* w, std::uint32_t k, std::uint32_t last,
-                          const WallTest& test) noexcept {
+// The first interval of samples [k, last] that is large enough to start a wall; `last`: none is. Whole words for counters: the
+// compiler must know that they do not wrap.
+std::uint32_t first_large(const double* s, const double* w, std::size_t k, std::size_t last, const WallTest& test) noexcept {
   const double weak = test.weak;
   for (; k < last; ++k) {
     const double size = std::abs(w[k + 1] - w[k]);
     if (size > weak && test.may_seed(s[k + 1] - s[k], size)) break;
   }
-  return k;
-}
-
-// Whether any interval from k on is high enough for a wall; most blocks of a long run hold none.
-bool any_high(const double* w, std::uint32_t k, std::uint32_t last, const WallTest& test) noexcept {
-  std::int64_t high = 0;
-  for (; k < last; ++k) high += static_cast<std::int64_t>(std::abs(w[k + 1] - w[k]) > test.weak);
-  return high > 0;
+  return static_cast<std::uint32_t>(k);
 }
 
 // Few samples on the wall, or none where it stands upright between its roundings.
@@ -84,8 +76,11 @@ void find_walls(const Heights& h, std::uint32_t begin, std::uint32_t end, const 
   const auto dw = [&](std::uint32_t k) { return w[k + 1] - w[k]; };
   constexpr double kNone = std::numeric_limits<double>::infinity(); // the ends of a run start no wall by themselves
   const std::uint32_t last = end - 1;
-  std::uint32_t k = begin;
-  const auto take_wall = [&] {
+  for (std::uint32_t k = begin; (k = first_large(s, w, k, last, test)) < last;) {
+    if (!test.seeds(ds(k), dw(k), k > begin ? dw(k - 1) : kNone, k + 1 < last ? dw(k + 1) : kNone)) {
+      ++k;
+      continue;
+    }
     const bool rising = dw(k) > 0.0;
     WallRun wall{k, k + 1, 0, 0, false};
     const std::uint32_t floor = walls.size() > known ? walls.back().last : begin;
@@ -96,17 +91,6 @@ void find_walls(const Heights& h, std::uint32_t begin, std::uint32_t end, const 
     wall.step = is_step(h, wall, test) && wall.first >= begin + kLineEnd && wall.last + kLineEnd < end;
     walls.push_back(wall);
     k = wall.last;
-  };
-  for (std::uint32_t block = begin; block < last; block += kBlock) {
-    const std::uint32_t next = std::min(last, block + kBlock);
-    if (next - block == kBlock && !any_high(w, block, next, test)) continue;
-    k = std::max(k, block);
-    while ((k = first_large(s, w, k, next, test)) < next) {
-      if (test.seeds(ds(k), dw(k), k > begin ? dw(k - 1) : kNone, k + 1 < last ? dw(k + 1) : kNone))
-        take_wall();
-      else
-        ++k;
-    }
   }
 }
 
