@@ -26,6 +26,7 @@ struct TrackPoint {
   std::int64_t step = 0;                 ///< number of the scan line, or of the column
   FeaturePoint feature;
   Verdict verdict = Verdict::open;
+  bool steep = false; ///< lengthwise: stands so steeply to the scan lines that no crosswise track is asked
 };
 
 /// What the next point is compared with: means over the track with a gain for the newest.

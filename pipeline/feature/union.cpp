@@ -9,10 +9,20 @@ namespace scansion {
 
 namespace {
 
-constexpr double kSteep = 0.83909963;    // tan 40 degrees to the scan lines: a lengthwise track above this is trusted alone
+// Tangents of angles to the scan lines. A lengthwise track is trusted alone above 40 degrees, and then down to 37: else an edge
+// at about 40 falls to pieces between both passes.
+constexpr double kSteep = 0.83909963, kStillSteep = 0.75355405;
 constexpr double kShallow = 1.27994163;  // tan 52: a crosswise track above this is not
 constexpr double kBeside = 1.3;          // pitches, spacings
 constexpr double kShallowTurning = 10.0; // degrees: a lengthwise track below kSteep must turn more
+
+// Points of a track are looked at in order.
+template <typename Point>
+void look_at_course(const Track& track, Point point) {
+  const Course course = track.course_at(static_cast<std::size_t>(point - track.points.begin()));
+  const bool first = point == track.points.begin();
+  point->steep = course.is_steeper(!first && (point - 1)->steep ? kStillSteep : kSteep);
+}
 
 } // namespace
 
@@ -28,6 +38,7 @@ void Union::gather(std::span<Track* const> tracks, Pass pass, double low, double
       last = std::upper_bound(first, last, high, [](double c, const TrackPoint& p) { return c < p.r; });
     }
     for (; first != last; ++first) {
+      if (pass == Pass::lengthwise && first->verdict == Verdict::open) look_at_course(*track, first);
       const double c = track->c_of(*first);
       if (c < low || c > high) continue;
       out.push_back({track->s_of(*first), c, track, &*first, static_cast<std::size_t>(first - track->points.begin())});
@@ -75,7 +86,7 @@ void Union::decide(std::span<Track* const> tracks, double settled, const Samplin
     if (n.point->verdict != Verdict::open || n.c > settled) continue;
     // The section of a rounding is so long here that its polygon shows.
     const bool weak = std::abs(n.point->feature.tau) < kShallowTurning;
-    const bool drop = twins.covers(n) || (!n.track->course_at(n.index).is_steeper(kSteep) && (weak || flatter.covers(n)));
+    const bool drop = twins.covers(n) || (!n.point->steep && (weak || flatter.covers(n)));
     n.point->verdict = drop ? Verdict::dropped : Verdict::kept;
   }
   Cover side_twins(crosswise_, kBeside * sampling.pitch, kBeside * sampling.spacing, Cover::By::longer);
