@@ -16,8 +16,7 @@ void ColumnRows::start(const WallTest& test) noexcept {
 
 void ColumnRows::add(const ColumnRow& row) {
   constexpr double kLess = 1.0 - 1e-6; // more than single precision rounds
-  if (!rows_.empty())
-    steep_.push_back(static_cast<float>(kLess * std::max(test_.strong, WallTest::kSlope * (row.c - places_.back()))));
+  if (!rows_.empty()) steep_.push_back(static_cast<float>(kLess * test_.steep_rise(row.c - places_.back())));
   rows_.push_back(row);
   places_.push_back(row.c);
 }
@@ -32,9 +31,22 @@ bool ColumnRows::grows(std::int64_t row, std::size_t column, bool rising) const 
   return has(row) && test_.grows(run(row), rise(row, column), rising);
 }
 
+// Mean rise of an interval between two rows; not a number: there is none.
+double ColumnRows::mean_rise(std::int64_t low, std::int64_t high, std::size_t column) const noexcept {
+  if (low < 0 || high >= size()) return std::numeric_limits<double>::quiet_NaN();
+  const double rise = static_cast<double>((*this)[high].height[column]) - static_cast<double>((*this)[low].height[column]);
+  return rise / static_cast<double>(high - low);
+}
+
 // Whether a wall that seeds itself between rows low and high is a step, and no slope with samples enough.
 bool ColumnRows::is_step(std::int64_t low, std::int64_t high, std::size_t column) const {
-  if (high - low <= static_cast<std::int64_t>(kMostIntervals)) return true;
+  if (high - low <= static_cast<std::int64_t>(kMostIntervals)) {
+    constexpr std::int64_t n = WallTest::kBeside;
+    const double ds =
+        (places_[static_cast<std::size_t>(high)] - places_[static_cast<std::size_t>(low)]) / static_cast<double>(high - low);
+    return !test_.is_piece(ds, mean_rise(low, high, column), mean_rise(low - n, low, column),
+                           mean_rise(high, high + n, column));
+  }
   if (high - low > static_cast<std::int64_t>(kMostRounded)) return false;
   std::int64_t steepest = low;
   for (std::int64_t k = low + 1; k < high; ++k)
@@ -57,7 +69,7 @@ bool ColumnRows::starts_step(std::int64_t row, std::size_t column) const {
 
 bool ColumnRows::is_of_wall(std::int64_t row, std::size_t column) const {
   const double dw = rise(row, column);
-  if (!(std::abs(dw) > test_.strong && std::abs(dw) > WallTest::kSlope * run(row))) return false;
+  if (!(std::abs(dw) > test_.steep_rise(run(row)))) return false;
   std::int64_t low = row, high = row + 1;
   const auto few = [&] { return high - low <= static_cast<std::int64_t>(kMostRounded); };
   while (few() && grows(low - 1, column, dw > 0.0)) --low;

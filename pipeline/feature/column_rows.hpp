@@ -39,6 +39,7 @@ private:
   [[nodiscard]] double rise(std::int64_t row, std::size_t column) const noexcept {
     return static_cast<double>((*this)[row + 1].height[column]) - static_cast<double>((*this)[row].height[column]);
   }
+  [[nodiscard]] double mean_rise(std::int64_t low, std::int64_t high, std::size_t column) const noexcept;
   [[nodiscard]] double rise_if_any(std::int64_t row, std::size_t column) const noexcept;
   [[nodiscard]] bool grows(std::int64_t row, std::size_t column, bool rising) const noexcept;
   [[nodiscard]] bool is_of_wall(std::int64_t row, std::size_t column) const;

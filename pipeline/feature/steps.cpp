@@ -54,11 +54,21 @@ std::uint32_t first_large(const double* s, const double* w, std::size_t k, std::
   return static_cast<std::uint32_t>(k);
 }
 
+// Whether a short wall of the run [begin, end) is but a piece of a slope.
+bool is_piece(const Heights& h, std::uint32_t begin, std::uint32_t end, const WallRun& wall, const WallTest& test) noexcept {
+  constexpr std::uint32_t n = WallTest::kBeside;
+  const auto rise = [&](std::uint32_t from, std::uint32_t to) { return (h.w[to] - h.w[from]) / (to - from); };
+  const double before = wall.first >= begin + n ? rise(wall.first - n, wall.first) : 0.0;
+  const double after = wall.last + n < end ? rise(wall.last, wall.last + n) : 0.0;
+  const double ds = (h.s[wall.last] - h.s[wall.first]) / (wall.last - wall.first);
+  return test.is_piece(ds, rise(wall.first, wall.last), before, after);
+}
+
 // Few samples on the wall, or none where it stands upright between its roundings.
-bool is_step(const Heights& h, const WallRun& wall, const WallTest& test) {
+bool is_step(const Heights& h, std::uint32_t begin, std::uint32_t end, const WallRun& wall, const WallTest& test) {
   const std::uint32_t intervals = wall.last - wall.first;
-  return intervals <= kMostIntervals ||
-         (intervals <= kMostRounded && is_upright(h, steepest_interval(h, wall.first, wall.last), test));
+  if (intervals <= kMostIntervals) return !is_piece(h, begin, end, wall, test);
+  return intervals <= kMostRounded && is_upright(h, steepest_interval(h, wall.first, wall.last), test);
 }
 
 } // namespace
@@ -88,7 +98,7 @@ void find_walls(const Heights& h, std::uint32_t begin, std::uint32_t end, const 
     while (wall.last < last && test.grows(ds(wall.last), dw(wall.last), rising)) ++wall.last;
     wall.low = wall.first;
     wall.high = wall.last;
-    wall.step = is_step(h, wall, test) && wall.first >= begin + kLineEnd && wall.last + kLineEnd < end;
+    wall.step = is_step(h, begin, end, wall, test) && wall.first >= begin + kLineEnd && wall.last + kLineEnd < end;
     walls.push_back(wall);
     k = wall.last;
   }

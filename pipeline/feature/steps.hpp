@@ -5,6 +5,7 @@
 #include "pipeline/feature/feature_point.hpp"
 #include "pipeline/feature/local_fit.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <span>
 #include <vector>
@@ -20,16 +21,22 @@ struct WallRun {
 /// Which intervals between samples are walls; lengths in mm.
 struct WallTest {
   static constexpr double kSlope = 2.7474774194546; ///< tan 70
+  static constexpr std::uint32_t kBeside = 3;       ///< intervals on each side of a wall that are asked whether it goes on
   double strong, weak, noise;
   explicit WallTest(const FitScale& scale) noexcept;
 
+  /// What rises more is steep: slopes of 60 to 70 degrees are not for their noise.
+  [[nodiscard]] double steep_rise(double ds) const noexcept {
+    constexpr double kMargin = 0.5; // two sigma
+    return std::max(strong, kSlope * ds + kMargin * noise);
+  }
   /// Whether an interval is large enough to start a wall.
   [[nodiscard]] bool may_seed(double ds, double dw) const noexcept { return std::abs(dw) > weak && std::abs(dw) > 0.5 * ds; }
   /// Whether it starts one by itself; `before`, `after`: height differences of its neighbours, not a number: none.
   [[nodiscard]] bool seeds(double ds, double dw, double before, double after) const noexcept {
     if (!may_seed(ds, dw)) return false;
     const double size = std::abs(dw);
-    if (size > kSlope * ds && size > strong) return true;
+    if (size > steep_rise(ds)) return true;
     return !(std::abs(before) >= 0.35 * size) && !(std::abs(after) >= 0.35 * size);
   }
   /// Whether a wall is upright within this interval: its neighbours' differences show no slope that would go on.
@@ -38,6 +45,13 @@ struct WallTest {
     const double size = std::abs(dw);
     return size > strong && size > kTan75 * ds && !(kSteeper * std::abs(before) >= size) &&
            !(kSteeper * std::abs(after) >= size);
+  }
+  /// Whether a short wall is but a piece of a slope that the noise has broken up. All are means of an interval: `ds`, `dw` of
+  /// the wall, `before`, `after` of kBeside intervals on each side, not a number: none.
+  [[nodiscard]] bool is_piece(double ds, double dw, double before, double after) const noexcept {
+    constexpr double kLike = 0.4;
+    const double sign = dw < 0.0 ? -1.0 : 1.0, least = kLike * std::abs(dw);
+    return noise > 0.25 * kSlope * ds && (sign * before > least || sign * after > least);
   }
   /// Whether an interval belongs to a wall beside it.
   [[nodiscard]] bool grows(double ds, double dw, bool rising) const noexcept {

@@ -94,5 +94,27 @@ TEST(Walls, WhatRoundsAnEdgeIsNoLineOfItsOwn) {
   EXPECT_LT(other, 1.0);
 }
 
+// The noise takes single intervals of the slope above 70 degrees, and others below 54, which breaks it up.
+TEST(Walls, SteepSlopesUnderNoiseAreNoSteps) {
+  for (const double degrees : {62.0, 66.0, 70.0}) {
+    const auto slope = [&](double s) { return std::clamp(std::tan(degrees * kDegree) * (s - 9.0), 0.0, 3.0); };
+    EXPECT_EQ(steps_of(slope, 0.1, 0.05).edges.size(), 0U) << degrees;
+    EXPECT_EQ(steps_of(slope, 0.1, 0.005).edges.size(), 0U) << degrees;
+  }
+}
+
+// A point of it is steep or not by its noise.
+TEST(Walls, AtAboutFortyDegreesToTheLinesTheyStayWhole) {
+  for (const double degrees : {38.0, 39.0, 40.0, 41.0}) {
+    const double angle = degrees * kDegree;
+    const auto wall = [&](double x, double y) {
+      return std::sin(angle) * (x - 10.0) - std::cos(angle) * (y - 6.0) > 0.0 ? 0.0 : 3.0;
+    };
+    double longest = 0.0;
+    for (const FeatureLine& line : Scan(wall, 5.0, 120).run(64).lines) longest = std::max(longest, line.length_mm);
+    EXPECT_GT(longest, 14.0) << degrees;
+  }
+}
+
 } // namespace
 } // namespace scansion
