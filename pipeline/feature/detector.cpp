@@ -93,6 +93,7 @@ void Detector::add_vertex(const Profile& profile, const Vertex& vertex, std::uin
 // A weaker bend within the window of a coarser one of its polarity is part of that one.
 void Detector::drop_parts(const Sampling& sampling) {
   constexpr double kBeside = 2.0; // pitches: one edge, found twice
+  constexpr double kAlike = 1e-6;
   dropped_.assign(found_.size(), false);
   for (std::size_t i = 0; i < found_.size(); ++i) {
     const FeaturePoint& coarse = found_[i];
@@ -101,7 +102,9 @@ void Detector::drop_parts(const Sampling& sampling) {
     const auto check = [&](std::size_t j) {
       const FeaturePoint& fine = found_[j];
       if (fine.step || fine.convex() != coarse.convex()) return;
-      const bool beside = std::abs(fine.s - coarse.s) <= kBeside * sampling.pitch && std::abs(fine.tau) < std::abs(coarse.tau);
+      // Two points that see the same edge from both sides measure it alike but for the last digits: the first one stays.
+      const double limit = std::abs(coarse.tau) * (j > i ? 1.0 + kAlike : 1.0 - kAlike);
+      const bool beside = std::abs(fine.s - coarse.s) <= kBeside * sampling.pitch && std::abs(fine.tau) < limit;
       if ((beside && !coarse.step) || is_part(fine.tau, fine.window, coarse)) dropped_[j] = true;
     };
     for (std::size_t j = i; j-- > 0 && coarse.s - found_[j].s <= reach;) check(j);
