@@ -10,18 +10,6 @@
 #include <algorithm>
 
 namespace scansion {
-namespace {
-
-[[nodiscard]] Result<void> read_weights(ByteReader& from, std::span<std::int16_t> weights) {
-  for (std::int16_t& w : weights) {
-    const std::int64_t value = from.signed_varint();
-    if (value != static_cast<std::int16_t>(value)) return fail(Errc::damaged, "the rest holds an impossible weight");
-    w = static_cast<std::int16_t>(value);
-  }
-  return success();
-}
-
-} // namespace
 
 struct GroupDecoder::Impl {
   GroupState state;
@@ -111,15 +99,11 @@ void GroupDecoder::Impl::find_neighbours(const LineGroup& group) {
 }
 
 Result<void> GroupDecoder::Impl::read_fitted_axis(ByteReader& from, const LineGroup& group, std::size_t axis, bool with_above) {
-  AxisWeights weights;
-  SCANSION_TRY(read_weights(from, std::span(weights.usual).first(with_above ? kWeights : kLineWeights)));
-  if (!with_above) {
-    const std::uint64_t longest = from.varint();
-    if (longest > kMaxLinePoints) return fail(Errc::damaged, "the rest calls impossible chords short");
-    weights.longest_brief = static_cast<std::uint32_t>(longest);
-    if (longest > 0) {
-      SCANSION_TRY(read_weights(from, std::span(weights.brief).first(kLineWeights)));
-    }
+  Weights weights{};
+  for (std::int16_t& w : std::span(weights).first(with_above ? kWeights : kLineWeights)) {
+    const std::int64_t value = from.signed_varint();
+    if (value != static_cast<std::int16_t>(value)) return fail(Errc::damaged, "the rest holds an impossible weight");
+    w = static_cast<std::int16_t>(value);
   }
   SCANSION_TRY(symbols.begin_long(from, rest_points));
   std::vector<std::int32_t>& u = state.u[axis];

@@ -263,17 +263,14 @@ void GroupEncoder::Impl::write_rest_axis(const LineGroup& group, std::size_t axi
   fit.clear();
   visit_rest(group, state.known, neighbours, [&](const RestLine& line, PointIndex run_first, PointIndex from, PointIndex end) {
     for (; sample < end; sample += static_cast<PointIndex>(stride))
-      if (sample >= from)
-        fit.add(deviations_of(at, u, neighbours, line, run_first, sample), at.deviation[sample], end + 1 - from);
+      if (sample >= from) fit.add(deviations_of(at, u, neighbours, line, run_first, sample), at.deviation[sample]);
   });
   const auto [weights, with_above] = fit.solve();
   symbols.clear();
   put_fitted(group, state.known, with_above ? &neighbours : nullptr, weights, u, at, run_residuals, symbols);
   const std::size_t start = to.size();
   to.push_back(static_cast<std::byte>(with_above ? RestMode::fitted : RestMode::line));
-  for (const std::int16_t w : std::span(weights.usual).first(with_above ? kWeights : kLineWeights)) put_signed(to, w);
-  if (!with_above) put_varint(to, weights.longest_brief);
-  for (const std::int16_t w : std::span(weights.brief).first(weights.longest_brief == 0 ? 0 : kLineWeights)) put_signed(to, w);
+  for (const std::int16_t w : std::span(weights).first(with_above ? kWeights : kLineWeights)) put_signed(to, w);
   symbols.write_long(to);
   if (!write_plain_axis(group, axis, to.size() - start)) return;
   to.resize(start);

@@ -51,17 +51,18 @@ std::uint64_t WeightFit::cost(const Weights& weights, std::size_t count, std::ve
 
 // Each row counts by the inverse square of its own size: edges, where nothing can be predicted, must not decide. What is
 // smaller than usual counts like the usual: there rounding decides.
-void WeightFit::measure(double share) {
+void WeightFit::measure() {
   sizes_.clear();
   for (const Sample& s : rows_) {
     double size = 0;
-    for (std::size_t k = 0; k < kSpan; ++k) size += k < kLeft || k >= kLineWeights ? std::abs(static_cast<double>(s[k])) : 0;
+    for (std::size_t k = 0; k < s.size(); ++k) size += k < kLeft || k >= kLineWeights ? std::abs(static_cast<double>(s[k])) : 0;
     sizes_.push_back(size / (kWeights - kMeans + 1));
   }
   usual_.assign(sizes_.begin(), sizes_.end());
   const auto middle = usual_.begin() + static_cast<std::ptrdiff_t>(usual_.size() / 2);
   std::ranges::nth_element(usual_, middle);
-  floor_ = share * *middle * *middle + 1.0;
+  constexpr double kShare = 0.3;
+  floor_ = kShare * *middle * *middle + 1.0;
 }
 
 // With weights at hand a row counts by what they leave of it, too. The first weights are for a choice and need fewer rows.
@@ -78,8 +79,7 @@ WeightFit::Normal WeightFit::normal_of(const std::int32_t* left, std::size_t cou
 
 WeightFit::Fitted WeightFit::solve() {
   if (rows_.empty()) return {};
-  constexpr double kShare = 0.3;
-  measure(kShare);
+  measure();
   const Normal normal = normal_of(nullptr, kWeights);
   // The line alone, then with the points beside from their own chord, then from the chord here as well: each of them can be
   // what spoils the fit. Leaving the line before alone is faster on either side, so little is given up for that.
@@ -97,41 +97,8 @@ WeightFit::Fitted WeightFit::solve() {
     best_left_.swap(left_);
     first_cost = limit = now;
   }
-  const Costed best = refine({first, first_cost}, count);
-  Fitted fitted{{best.weights, {}, 0}, count > kLineWeights};
-  if (!fitted.with_above) part(best, fitted.weights);
-  return fitted;
-}
-
-// `best_left_` is what the first weights leave.
-WeightFit::Costed WeightFit::refine(const Costed& first, std::size_t count) {
   const Weights second = solve(normal_of(best_left_.data(), count), count);
-  const std::uint64_t second_cost = cost(second, count, left_);
-  return second_cost < first.cost ? Costed{second, second_cost} : first;
-}
-
-WeightFit::Costed WeightFit::fit_line() {
-  constexpr double kShare = 3.0; // without edges among the rows more of them count alike
-  measure(kShare);
-  const Weights first = solve(normal_of(nullptr, kLineWeights), kLineWeights);
-  return refine({first, cost(first, kLineWeights, best_left_)}, kLineWeights);
-}
-
-// Weights of their own for points on short chords, where there are enough of both and it pays.
-void WeightFit::part(const Costed& whole, AxisWeights& out) {
-  constexpr std::int32_t kLongest = 40;
-  constexpr std::size_t kFewest = 96;
-  constexpr std::uint64_t kWorth = 512;
-  const auto middle = std::partition(rows_.begin(), rows_.end(), [](const Sample& s) { return s[kSpan] > kLongest; });
-  const auto usual = static_cast<std::size_t>(middle - rows_.begin());
-  if (usual < kFewest || rows_.size() - usual < kFewest) return;
-  others_.assign(middle, rows_.end());
-  rows_.resize(usual);
-  const Costed for_usual = fit_line();
-  rows_.swap(others_);
-  const Costed for_brief = fit_line();
-  if (for_usual.cost + for_brief.cost + whole.cost / kWorth < whole.cost)
-    out = {for_usual.weights, for_brief.weights, static_cast<std::uint32_t>(kLongest)};
+  return {cost(second, count, left_) < first_cost ? second : first, count > kLineWeights};
 }
 
 } // namespace scansion

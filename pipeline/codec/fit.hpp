@@ -12,38 +12,27 @@ public:
   using Row = std::array<std::int32_t, kWeights>;
 
   void clear() noexcept { rows_.clear(); }
-  /// `samples`: that the point's chord spans.
-  void add(const Row& deviations, std::int32_t target, PointIndex samples) {
+  void add(const Row& deviations, std::int32_t target) {
     Sample& s = rows_.emplace_back();
     std::ranges::copy(deviations, s.begin());
     s[kWeights] = target;
-    s[kSpan] = static_cast<std::int32_t>(samples);
   }
   struct Fitted {
-    AxisWeights weights;
+    Weights weights;
     bool with_above; ///< else only the first kLineWeights count
   };
   /// Tries the weights with and without the line before; without is taken where with gives next to nothing.
   [[nodiscard]] Fitted solve();
 
 private:
-  static constexpr std::size_t kColumns = 16; // the deviations, the target, the chord's span
-  static constexpr std::size_t kSpan = kWeights + 1;
+  static constexpr std::size_t kColumns = 16; // the deviations, the target, nothing
   using Sample = std::array<std::int32_t, kColumns>;
   using Normal = std::array<std::array<double, kColumns>, kWeights>;
-  void measure(double share);
+  void measure();
   [[nodiscard]] Normal normal_of(const std::int32_t* left, std::size_t count) const noexcept;
   [[nodiscard]] static Weights solve(Normal normal, std::size_t count) noexcept;
   [[nodiscard]] std::uint64_t cost(const Weights& weights, std::size_t count, std::vector<std::int32_t>& left) const;
-  struct Costed {
-    Weights weights{};
-    std::uint64_t cost = 0;
-  };
-  /// Weights for these rows with this many deviations, from first ones for them.
-  [[nodiscard]] Costed refine(const Costed& first, std::size_t count);
-  [[nodiscard]] Costed fit_line();
-  void part(const Costed& whole, AxisWeights& out);
-  std::vector<Sample> rows_, others_;
+  std::vector<Sample> rows_;
   std::vector<double> sizes_; ///< mean size of what stands in each row
   std::vector<double> usual_;
   std::vector<std::int32_t> left_, best_left_; ///< of each row, by weights

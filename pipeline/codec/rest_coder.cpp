@@ -7,31 +7,20 @@
 namespace scansion {
 namespace {
 
-// Of points from .. to - 1 of the run that begins at `first`. `above` may be null: no line before is weighed.
-void residuals_of(const Weights& w, const RestAxis& axis, const std::int64_t* above, PointIndex first, PointIndex from,
-                  PointIndex to, std::int32_t* residual) noexcept {
+// `above` may be null: no line before is weighed.
+void residuals_of_run(const Weights& w, const RestAxis& axis, const std::int64_t* above, PointIndex first, PointIndex last,
+                      std::int32_t* residual) noexcept {
   const std::int32_t* const deviation = axis.deviation.data();
-  const PointIndex begun = std::min<PointIndex>(to, std::max<PointIndex>(from, first + kLeft));
-  for (PointIndex i = from; i < begun; ++i) {
+  const PointIndex begun = std::min<PointIndex>(last, first + kLeft);
+  for (PointIndex i = first + 1; i < begun; ++i) {
     std::int64_t sum = (above != nullptr ? above[i] : 0) + (std::int64_t{1} << (kWeightBits - 1));
-    for (std::size_t k = 0; k < std::min<std::size_t>(kLeft, i - first); ++k) sum += std::int64_t{w[k]} * deviation[i - k - 1];
+    for (std::size_t k = 0; k < i - first; ++k) sum += std::int64_t{w[k]} * deviation[i - k - 1];
     for (std::size_t k = 0; k < kMeans; ++k) sum += std::int64_t{w[kLeft + k]} * axis.means[k][i];
     residual[i] = wrap(deviation[i] - (sum >> kWeightBits));
   }
-  if (begun >= to) return;
+  if (begun >= last) return;
   const kernels::Left left{deviation + begun, axis.means[0].data() + begun, axis.means[1].data() + begun};
-  kernels::residuals(w.data(), left, above == nullptr ? nullptr : above + begun, residual + begun, to - begun);
-}
-
-// Of one run, as far as its chords are alike at a time.
-void residuals_of_run(const AxisWeights& weights, const RestAxis& axis, const std::int64_t* above,
-                      std::span<const PointIndex> vertices, std::int32_t* residual) noexcept {
-  for (std::size_t v = 0; v + 1 < vertices.size();) {
-    const PointIndex from = vertices[v] + 1;
-    const bool brief = weights.is_brief(vertices[v], vertices[v + 1]);
-    for (++v; v + 1 < vertices.size() && weights.is_brief(vertices[v], vertices[v + 1]) == brief;) ++v;
-    residuals_of(brief ? weights.brief : weights.usual, axis, above, vertices.front(), from, vertices[v], residual);
-  }
+  kernels::residuals(w.data(), left, above == nullptr ? nullptr : above + begun, residual + begun, last - begun);
 }
 
 // `beside` may be null: no line before.
@@ -54,7 +43,7 @@ void contexts_of_run(std::span<const PointIndex> vertices, const std::int32_t* s
 } // namespace
 
 void put_fitted(const LineGroup& group, std::span<const PointIndex> vertices, const Neighbours* neighbours,
-                const AxisWeights& weights, std::span<const std::int32_t> u, RestAxis& axis, RunResiduals& scratch,
+                const Weights& weights, std::span<const std::int32_t> u, RestAxis& axis, RunResiduals& scratch,
                 SymbolWriter& to) {
   std::size_t v = 0;
   std::size_t line = 0;
@@ -63,7 +52,7 @@ void put_fitted(const LineGroup& group, std::span<const PointIndex> vertices, co
   for (const Run& run : group.runs) {
     if (neighbours != nullptr && line < neighbours->lines.size() && neighbours->lines[line].first == run.first) {
       const RestLine& at = neighbours->lines[line++];
-      axis.weigh_above(at, *neighbours, u, weights.usual);
+      axis.weigh_above(at, *neighbours, u, weights);
       sum = axis.above_sum.data() - at.first;
       beside = at.has_above ? axis.above_size.data() - at.first : nullptr;
     }
@@ -72,18 +61,15 @@ void put_fitted(const LineGroup& group, std::span<const PointIndex> vertices, co
     scratch.context.resize(scratch.residual.size());
     std::int32_t* const residual = scratch.residual.data() - run.first;
     std::uint8_t* const context = scratch.context.data() - run.first;
-    const std::size_t begin = v;
-    while (vertices[v] != last) ++v;
-    const auto of_run = vertices.subspan(begin, ++v - begin);
-    residuals_of_run(weights, axis, sum, of_run, residual);
+    residuals_of_run(weights, axis, sum, run.first, last, residual);
     kernels::sizes(residual + run.first, kLargestSize, axis.size.data() + run.first, run.count);
-    for (std::size_t k = 0; k + 1 < of_run.size(); ++k)
-      axis.size[of_run[k]] = size_of_rise(Chord(u, of_run[k], of_run[k + 1]).rise());
+    const std::size_t begin = v;
+    for (; vertices[v] != last; ++v) axis.size[vertices[v]] = size_of_rise(Chord(u, vertices[v], vertices[v + 1]).rise());
     axis.size[last] = 0;
-    contexts_of_run(of_run, axis.size.data(), beside, context);
-    for (std::size_t k = 0; k + 1 < of_run.size(); ++k) {
-      const PointIndex from = of_run[k] + 1;
-      to.put(residual + from, context + from, of_run[k + 1] - from);
+    contexts_of_run(vertices.subspan(begin, ++v - begin), axis.size.data(), beside, context);
+    for (std::size_t k = begin; k + 1 < v; ++k) {
+      const PointIndex from = vertices[k] + 1;
+      to.put(residual + from, context + from, vertices[k + 1] - from);
     }
   }
 }

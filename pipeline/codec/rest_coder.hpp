@@ -15,13 +15,13 @@ struct RunResiduals {
 
 /// Puts the residuals of one fitted axis. Without `neighbours` the line before is left alone.
 void put_fitted(const LineGroup& group, std::span<const PointIndex> vertices, const Neighbours* neighbours,
-                const AxisWeights& weights, std::span<const std::int32_t> u, RestAxis& axis, RunResiduals& scratch,
+                const Weights& weights, std::span<const std::int32_t> u, RestAxis& axis, RunResiduals& scratch,
                 SymbolWriter& to);
 
 /// Takes the residuals that put_fitted() put; `u` holds the vertices and gets the other points. With `neighbours` the axis'
 /// chord must stand. `from` must have room for every point.
 void take_fitted(const LineGroup& group, std::span<const PointIndex> vertices, const Neighbours* neighbours,
-                 const AxisWeights& weights, std::span<std::int32_t> u, RestAxis& axis, SymbolReader& from);
+                 const Weights& weights, std::span<std::int32_t> u, RestAxis& axis, SymbolReader& from);
 
 /// What an axis that is not fitted predicts; needs no context.
 [[nodiscard]] inline std::int32_t predict_plain(RestMode mode, const Neighbours& neighbours, const RestLine& line,

@@ -63,27 +63,17 @@ void take_residuals(const RunToTake& run, std::int32_t* size, std::int32_t* u, c
   from = cursor;
 }
 
-// Adds to the residuals what is predicted, and tells the deviations.
+// Adds to the residuals what is predicted. Where kAbove, `deviation` gets what the next line asks for.
 template <bool kAbove>
-void add_predictions(const RunToTake& run, const AxisWeights& weights, std::int32_t* deviation, std::int32_t* u) noexcept {
-  const Weights* chosen = &weights.usual;
+void add_predictions(const RunToTake& run, const Weights& weights, std::int32_t* deviation, std::int32_t* u) noexcept {
   std::array<std::int64_t, kLineWeights> w; // as wide as the sums: nothing is widened point by point
-  std::copy_n(chosen->begin(), w.size(), w.begin());
+  std::copy_n(weights.begin(), w.size(), w.begin());
   std::array<std::int64_t, kLeft> weighed{}; // what the points to the left add to the next, the one after it, ...
   RunningMeans means;
-  // Other weights for all that comes: what has been weighed is weighed again. `i` is the last point that is known.
-  const auto choose = [&](const Weights& other, std::size_t i) {
-    chosen = &other;
-    std::copy_n(chosen->begin(), w.size(), w.begin());
-    const std::size_t known = std::min<std::size_t>(kLeft, i + 1 - run.vertices.front());
-    weighed.fill(0);
-    for (std::size_t back = 0; back < known; ++back)
-      for (std::size_t k = back; k < kLeft; ++k) weighed[k - back] += w[k] * deviation[i - back];
-  };
   const auto move_on = [&](std::size_t i, std::int64_t now) {
     for (std::size_t k = 0; k + 1 < kLeft; ++k) weighed[k] = weighed[k + 1] + w[k] * now;
     weighed[kLeft - 1] = w[kLeft - 1] * now;
-    deviation[i] = static_cast<std::int32_t>(now);
+    if constexpr (kAbove) deviation[i] = static_cast<std::int32_t>(now);
   };
   for (std::size_t v = 0; v < run.chords.size(); ++v) {
     std::size_t i = run.vertices[v];
@@ -91,7 +81,6 @@ void add_predictions(const RunToTake& run, const AxisWeights& weights, std::int3
     const std::int64_t step = run.chords[v].step;
     std::int64_t on_chord = std::int64_t{u[i]} * (std::int64_t{1} << Chord::kStepBits);
     move_on(i, 0);
-    if (const Weights& own = weights.of(run.vertices[v], run.vertices[v + 1]); &own != chosen) choose(own, i);
     for (++i; i < end; ++i) {
       const std::int64_t others = (kAbove ? run.sum[i] : 0) + (std::int64_t{1} << (kWeightBits - 1)) + w[kLeft] * means.fast +
                                   w[kLeft + 1] * means.slow;
@@ -102,7 +91,7 @@ void add_predictions(const RunToTake& run, const AxisWeights& weights, std::int3
       move_on(i, off);
     }
   }
-  deviation[run.vertices.back()] = 0;
+  if constexpr (kAbove) deviation[run.vertices.back()] = 0;
 }
 
 // The vertices of the first of some runs, and the chords between them.
@@ -119,7 +108,7 @@ std::span<const PointIndex> first_run(std::span<const PointIndex> vertices, Poin
 } // namespace
 
 void take_fitted(const LineGroup& group, std::span<const PointIndex> vertices, const Neighbours* neighbours,
-                 const AxisWeights& weights, std::span<std::int32_t> u, RestAxis& axis, SymbolReader& from) {
+                 const Weights& weights, std::span<std::int32_t> u, RestAxis& axis, SymbolReader& from) {
   SymbolReader::Cursor cursor = from.cursor();
   const TableChoice tables(cursor);
   std::size_t line = 0;
@@ -127,7 +116,7 @@ void take_fitted(const LineGroup& group, std::span<const PointIndex> vertices, c
   for (const Run& run : group.runs) {
     if (neighbours != nullptr && line < neighbours->lines.size() && neighbours->lines[line].first == run.first) {
       const RestLine& at = neighbours->lines[line++];
-      axis.weigh_above(at, *neighbours, u, weights.usual);
+      axis.weigh_above(at, *neighbours, u, weights);
       here.sum = axis.above_sum.data() - at.first;
       here.beside = at.has_above ? axis.above_size.data() - at.first : nullptr;
     }
@@ -136,7 +125,7 @@ void take_fitted(const LineGroup& group, std::span<const PointIndex> vertices, c
     vertices = vertices.subspan(here.vertices.size());
     if (neighbours == nullptr) {
       take_residuals<false, false>(here, nullptr, u.data(), tables, cursor);
-      add_predictions<false>(here, weights, axis.deviation.data(), u.data());
+      add_predictions<false>(here, weights, nullptr, u.data());
       continue;
     }
     if (here.beside == nullptr)

@@ -31,16 +31,6 @@ inline constexpr std::size_t kWeights = kLineWeights + kBeside + kAcross;
 inline constexpr unsigned kWeightBits = 12;
 using Weights = std::array<std::int16_t, kWeights>; ///< in units of 2^-kWeightBits
 
-/// The weights of one axis: points on short chords, where the surface bends, have some of their own.
-struct AxisWeights {
-  Weights usual{};
-  Weights brief{};
-  std::uint32_t longest_brief = 0; ///< samples that a short chord spans at most; 0: none is short
-
-  [[nodiscard]] bool is_brief(PointIndex a, PointIndex b) const noexcept { return b - a <= longest_brief; }
-  [[nodiscard]] const Weights& of(PointIndex a, PointIndex b) const noexcept { return is_brief(a, b) ? brief : usual; }
-};
-
 inline constexpr std::uint32_t kLargestSize = 1U << 20U;
 [[nodiscard]] inline std::int32_t size_of(std::int32_t residual) noexcept {
   const std::uint32_t size = residual < 0 ? 0U - static_cast<std::uint32_t>(residual) : static_cast<std::uint32_t>(residual);

@@ -528,15 +528,10 @@ class Group:
                 self.read_plain(self.u[axis], curves[axis], mode, zip(new, body.planes(len(new))), starts, neighbours)
                 continue
             weights = [body.signed() for _ in range(8 if mode else 14)]
-            brief = body.varint() if mode else 0
-            brief_weights = [body.signed() for _ in range(8 if brief else 0)]
-            need(all(-32768 <= w <= 32767 for w in weights + brief_weights), f"{body.where}: weights {weights}, {brief_weights}")
-            known = sorted(set(range(self.count)) - set(new))
-            ends = {i: (a, b) for a, b in zip(known, known[1:]) for i in range(a + 1, b)}
-            chosen = {i: brief_weights if ends[i][1] - ends[i][0] <= brief else weights for i in new}
+            need(all(-32768 <= w <= 32767 for w in weights), f"{body.where}: weights {weights}")
             coded = body.coded(2)
             beside = [(None, 0, 0)] * self.count if mode else neighbours
-            self.read_fitted(self.u[axis], curves[axis], chosen, coded, new, starts, beside)
+            self.read_fitted(self.u[axis], curves[axis], weights, coded, new, starts, beside)
             coded.end()
 
     def neighbours(self, curve):
@@ -589,7 +584,7 @@ class Group:
             octave = (activity + 1).bit_length() - 1
             residual = coded.next(2 * octave + (2 * (activity + 1) >> octave) % 2)
             size[i] = min(abs(residual), 1 << 20)
-            u[i] = wrap(curve[i] + (2048 + sum(w * d for w, d in zip(weights[i], near)) >> 12) + residual)
+            u[i] = wrap(curve[i] + (2048 + sum(w * d for w, d in zip(weights, near)) >> 12) + residual)
             fast, slow = wrap(fast + (wrap(16 * before - fast) >> 3)), wrap(slow + (wrap(16 * before - slow) >> 5))
             before = wrap(u[i] - curve[i])
 
