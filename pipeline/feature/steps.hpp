@@ -22,7 +22,8 @@ struct WallRun {
 struct WallTest {
   static constexpr double kSlope = 2.7474774194546; ///< tan 70
   static constexpr std::uint32_t kBeside = 3;       ///< intervals on each side of a wall that are asked whether it goes on
-  double strong, weak, noise;
+  double strong, weak;                              ///< least rise of a wall: by its slope; by standing out from its neighbours
+  double noise;                                     ///< four sigma
   explicit WallTest(const FitScale& scale) noexcept;
 
   /// What rises more is steep: slopes of 60 to 70 degrees are not for their noise.

@@ -29,6 +29,7 @@ public:
   explicit RadixOrder(const OrderJob& job) : job_(job), keys_(job.keys), other_(job.sorted), size_(job.n - 2) {}
 
   bool run() {
+    if (is_flat() && sort_by_depth()) return true;
     fill_keys();
     // Few points need few bits to differ, and small tables; settling does the rest.
     if (job_.n < 512)
@@ -44,6 +45,32 @@ public:
   }
 
 private:
+  /// No inner point lies off the chord.
+  [[nodiscard]] bool is_flat() const {
+    const double* const distance = job_.distance + 1;
+    if (bits_of(distance[0]) != 0) return false; // nearly all runs
+    std::uint64_t bits = 0;
+    for (std::uint32_t i = 0; i < size_; ++i) bits |= bits_of(distance[i]);
+    return bits == 0;
+  }
+
+  // Depths of bisection are few and small. False: these are not.
+  bool sort_by_depth() {
+    const std::uint32_t* __restrict const depth = job_.depth + 1;
+    std::uint32_t* __restrict const count = job_.counts;
+    __builtin_memset(count, 0, sizeof(std::uint32_t) * (kMostDepth + 1));
+    std::uint32_t deepest = 0;
+    for (std::uint32_t i = 0; i < size_; ++i) {
+      deepest |= depth[i];
+      ++count[depth[i] & kMostDepth];
+    }
+    if (deepest > kMostDepth) return false;
+    counts_to_places<kMostDepth + 1>(count);
+    std::uint32_t* __restrict const order = job_.order + 2;
+    for (std::uint32_t i = 0; i < size_; ++i) order[count[depth[i]]++] = i + 1;
+    return true;
+  }
+
   void fill_keys() {
     const double* __restrict const distance = job_.distance + 1;
     const std::uint32_t* __restrict const depth = job_.depth + 1;
