@@ -172,6 +172,13 @@ bool PatchGrower::touches_askew(const Contact& contact) const {
   return contact.open < kMost * std::min(columns(now_[contact.stretch]), columns(above_[contact.above]));
 }
 
+// A wide stretch that touches the one before by less than half lies behind a border: where rows begin to cut it on both sides,
+// the curve that bounds it may pass a row later at its ends.
+bool PatchGrower::begins_anew(const Contact& best) const {
+  const Stretch& t = now_[best.stretch];
+  return (t.s_high - t.s_low) / pitch_ + 1.0 >= kWide && touches_askew(best);
+}
+
 // Unites the stretches of this row with those of the row before.
 void PatchGrower::link(const Sampling& sampling, FeatureReport& report) {
   // The widest open contact gives a stretch its patch.
@@ -180,7 +187,7 @@ void PatchGrower::link(const Sampling& sampling, FeatureReport& report) {
     const Contact* best = nullptr;
     for (; contact != contacts_.end() && contact->stretch == i; ++contact)
       if (best == nullptr || contact->open > best->open) best = &*contact;
-    now_[i].patch = best != nullptr ? best->patch : graph_.create(row_number_);
+    now_[i].patch = best != nullptr && !begins_anew(*best) ? best->patch : graph_.create(row_number_);
   }
   for (const Contact& c : contacts_) {
     const std::uint32_t own = graph_.find(now_[c.stretch].patch), other = graph_.find(c.patch);

@@ -55,6 +55,7 @@ private:
   [[nodiscard]] bool is_leak(std::uint32_t a, std::uint32_t b, const Sampling& sampling);
   void follow_cuts();
   [[nodiscard]] bool touches_askew(const Contact& contact) const;
+  [[nodiscard]] bool begins_anew(const Contact& best) const;
   void link(const Sampling& sampling, FeatureReport& report);
   void measure(const PatchRow& row, const Sampling& sampling);
   void measure_across(const PatchRow& row);

@@ -62,6 +62,27 @@ TEST(Patches, SliversOfAPartGoToTheirNeighbours) {
   EXPECT_EQ(all, 180U * 200U);
 }
 
+// Where a round corner lies along the scan lines its border goes from one pass to the other: the first lines of the pocket
+// touch the plate over a few columns beside it.
+TEST(Patches, PocketsWithRoundCornersDoNotLeak) {
+  constexpr double kRadius = 1.0, kWall = 0.3, kDepth = 1.5;
+  for (double turned = 26.0; turned < 64.0; turned += 2.0) {
+    const double cosine = std::cos(turned / 57.29577951308232), sine = std::sin(turned / 57.29577951308232);
+    const auto pocket = [=](double x, double y) {
+      const double a = std::abs(cosine * (x - 10.0) + sine * (y - 9.0)) - 4.0 + kRadius;
+      const double b = std::abs(cosine * (y - 9.0) - sine * (x - 10.0)) - 3.0 + kRadius;
+      const double inside = kRadius - std::hypot(std::max(a, 0.0), std::max(b, 0.0)) - std::min(0.0, std::max(a, b));
+      return -std::clamp(inside * kDepth / kWall, 0.0, kDepth);
+    };
+    const FeatureReport report = Scan(pocket, 5.0, 180).run(64);
+    std::uint64_t floor = 36'000; // all there are
+    for (const auto& [id, samples] : samples_told(report))
+      if (samples > 1000) floor = std::min(floor, samples);
+    EXPECT_GT(floor, 3600U) << turned; // the floor itself: about 4,000
+    EXPECT_LT(floor, 5000U) << turned;
+  }
+}
+
 TEST(Patches, ATornScanHasNone) {
   const FeatureReport report = Scan(torn, 5.0, 300).run(64);
   EXPECT_LE(report.patches.size(), 3U);
