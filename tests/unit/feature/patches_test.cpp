@@ -66,8 +66,8 @@ TEST(Patches, SliversOfAPartGoToTheirNeighbours) {
 // touch the plate over a few columns beside it.
 TEST(Patches, PocketsWithRoundCornersDoNotLeak) {
   constexpr double kRadius = 1.0, kWall = 0.3, kDepth = 1.5;
-  for (double turned = 26.0; turned < 64.0; turned += 2.0) {
-    const double cosine = std::cos(turned / 57.29577951308232), sine = std::sin(turned / 57.29577951308232);
+  for (int turned = 26; turned < 64; turned += 2) {
+    const double angle = turned / 57.29577951308232, cosine = std::cos(angle), sine = std::sin(angle);
     const auto pocket = [=](double x, double y) {
       const double a = std::abs(cosine * (x - 10.0) + sine * (y - 9.0)) - 4.0 + kRadius;
       const double b = std::abs(cosine * (y - 9.0) - sine * (x - 10.0)) - 3.0 + kRadius;
