@@ -64,22 +64,18 @@ struct Value {
   std::uint32_t context;
 };
 
-Bytes written(const std::vector<Value>& values) {
+Bytes written(const std::vector<Value>& values, bool as_long = false) {
   SymbolWriter writer;
   writer.clear();
   for (const Value& v : values) writer.put(v.value, v.context);
   Bytes bytes;
-  writer.write(bytes);
+  as_long ? writer.write_long(bytes) : writer.write(bytes);
   return bytes;
 }
 
 // The same as a long array, read with a cursor that leaves its bytes only once in a while.
 void expect_comes_back_long(const std::vector<Value>& values) {
-  SymbolWriter writer;
-  writer.clear();
-  for (const Value& v : values) writer.put(v.value, v.context);
-  Bytes bytes;
-  writer.write_long(bytes);
+  const Bytes bytes = written(values, true);
   SymbolReader reader;
   ByteReader from(bytes);
   constexpr std::size_t kUnheld = 100;
