@@ -1,4 +1,4 @@
-// How sure the points of a track or curve are together (docs/FEATURES.md, "Confirmation").
+// How sure the points of a track or curve are together (docs/FEATURES.md, "Lines").
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
