@@ -21,6 +21,30 @@ Vector3 origin_mm(const std::array<std::int64_t, 3>& origin, double resolution) 
           static_cast<double>(origin[2]) * resolution};
 }
 
+/// A line with points and distances of its own.
+class KeptLine {
+public:
+  explicit KeptLine(const RawLine& line) : line_(line), distance_(line.distance.begin(), line.distance.end()) {
+    line_.distance = distance_;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      xyz_[axis].assign(line.xyz[axis].begin(), line.xyz[axis].end());
+      line_.xyz[axis] = xyz_[axis];
+    }
+  }
+  KeptLine(const KeptLine&) = delete;
+  KeptLine& operator=(const KeptLine&) = delete;
+  KeptLine(KeptLine&&) = default;
+  KeptLine& operator=(KeptLine&&) = default;
+  ~KeptLine() = default;
+
+  [[nodiscard]] const RawLine& raw() const noexcept { return line_; }
+
+private:
+  RawLine line_;
+  std::array<std::vector<std::int32_t>, 3> xyz_;
+  std::vector<double> distance_;
+};
+
 } // namespace
 
 struct FeatureStage::Impl {
@@ -29,7 +53,7 @@ struct FeatureStage::Impl {
         pair_estimator(averaged(settings), resolution_mm.value()), ranker(resolution_mm), finder(settings.linking),
         publisher(origin_mm(counts, resolution)), origin(origin_mm(counts, resolution)) {}
 
-  void take(const LineGroup& group, const ScanLine& line, std::span<const double> distance, RawLine& out) const;
+  static void take(const LineGroup& group, const ScanLine& line, std::span<const double> distance, RawLine& out);
   void begin(FeatureReport& report);
   /// False: the line is left out.
   [[nodiscard]] bool process(const RawLine& line, FeatureReport& report);
@@ -40,9 +64,10 @@ struct FeatureStage::Impl {
   double resolution;
   FrameFinder frame_finder;
   std::optional<Frame> frame;
-  std::vector<RawLine> waiting; ///< the first lines, until the frame is known
+  std::vector<KeptLine> waiting; ///< the first lines, until the frame is known
   RawLine raw;
   Profile profile, pairs;
+  std::vector<std::uint32_t> scratch;
   bool averages = false;                       ///< features are looked for in pairs of samples
   SamplingEstimator estimator, pair_estimator; ///< noise that hangs together falls less in pairs than it should
   ProfileRanker ranker;
@@ -57,19 +82,16 @@ struct FeatureStage::Impl {
   std::uint64_t refused = 0; ///< lines at the place of the line before
 };
 
-void FeatureStage::Impl::take(const LineGroup& group, const ScanLine& line, std::span<const double> distance,
-                              RawLine& out) const {
+// The points of a line stand one after the other in its group, run by run.
+void FeatureStage::Impl::take(const LineGroup& group, const ScanLine& line, std::span<const double> distance, RawLine& out) {
+  const std::span<const Run> runs = group.runs_of(line);
   out.index = line.index;
   out.ends.clear();
-  std::size_t n = 0;
-  for (const Run& run : group.runs_of(line)) out.ends.push_back(static_cast<std::uint32_t>(n += run.count));
-  const auto gather = [&](const auto& from, auto& to) {
-    to.resize(n);
-    auto at = to.begin();
-    for (const Run& run : group.runs_of(line)) at = std::copy_n(from.begin() + run.first, run.count, at);
-  };
-  gather(distance, out.distance);
-  for (std::size_t axis = 0; axis < 3; ++axis) gather(group.xyz[axis], out.xyz[axis]);
+  std::uint32_t n = 0;
+  for (const Run& run : runs) out.ends.push_back(n += run.count);
+  const std::size_t first = runs.empty() ? 0 : runs.front().first;
+  out.distance = distance.subspan(first, n);
+  for (std::size_t axis = 0; axis < 3; ++axis) out.xyz[axis] = std::span(group.xyz[axis]).subspan(first, n);
 }
 
 void FeatureStage::Impl::begin(FeatureReport& report) {
@@ -77,19 +99,19 @@ void FeatureStage::Impl::begin(FeatureReport& report) {
   patches.emplace(*frame, origin);
   finder.set_lean(std::hypot(frame->up[0], frame->up[1]));
   // The sampling is wanted before the first line is searched.
-  for (const RawLine& line : waiting) {
-    make_profile(line, resolution, *frame, profile);
+  for (const KeptLine& line : waiting) {
+    make_profile(line.raw(), resolution, *frame, profile);
     estimator.add(profile);
   }
   averages = wants_averaging(estimator.value());
-  for (const RawLine& line : waiting) {
+  for (const KeptLine& line : waiting) {
     if (!averages) break;
-    make_profile(line, resolution, *frame, profile);
+    make_profile(line.raw(), resolution, *frame, profile);
     average_pairs(profile, estimator.value(), ranker, pairs);
     pair_estimator.add(pairs);
   }
-  for (const RawLine& line : waiting)
-    if (process(line, report)) patches->hold(profile, estimator.value());
+  for (const KeptLine& line : waiting)
+    if (process(line.raw(), report)) patches->hold(profile, estimator.value());
   waiting.clear();
 }
 
@@ -110,7 +132,7 @@ bool FeatureStage::Impl::process(const RawLine& line, FeatureReport& report) {
     return false;
   }
   last_c = profile.c;
-  clean_spikes(profile, sampling.noise, averages ? nullptr : &ranker);
+  clean_spikes(profile, sampling.noise, averages ? nullptr : &ranker, scratch);
   if (averages) average_pairs(profile, sampling, ranker, pairs);
   finder.add(averages ? pairs : profile, looked_at(), curves);
   junctions.add_row(profile);
@@ -152,7 +174,7 @@ void FeatureStage::add(const LineGroup& group, std::span<const double> distance,
     }
     if (m.raw.distance.empty()) continue; // says nothing about the frame, and lines may stay empty for ever
     m.frame_finder.add(m.raw.xyz, m.resolution);
-    m.waiting.push_back(m.raw);
+    m.waiting.emplace_back(m.raw);
     if (m.frame_finder.lines() >= FrameFinder::kLines) m.begin(report);
   }
 }

@@ -61,7 +61,7 @@ Vector3 scaled(const Vector3& v, double factor) {
 
 } // namespace
 
-void FrameFinder::add(const std::array<std::vector<std::int32_t>, 3>& xyz, double resolution) {
+void FrameFinder::add(const Counts& xyz, double resolution) {
   const std::size_t n = xyz[0].size();
   if (n == 0) return;
   Vector3 middle{};

@@ -6,11 +6,12 @@
 
 #include <array>
 #include <cstdint>
-#include <vector>
+#include <span>
 
 namespace scansion {
 
 using Vector3 = std::array<double, 3>;
+using Counts = std::array<std::span<const std::int32_t>, 3>; ///< points on the lattice, axis by axis
 
 [[nodiscard]] constexpr double dot(const Vector3& a, const Vector3& b) noexcept {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -35,7 +36,7 @@ public:
   static constexpr std::size_t kLines = 16; ///< enough for a frame
 
   /// Points of one line, `resolution` in any unit of length per count.
-  void add(const std::array<std::vector<std::int32_t>, 3>& xyz, double resolution);
+  void add(const Counts& xyz, double resolution);
   [[nodiscard]] std::size_t lines() const noexcept { return lines_; }
   /// Lines that are straight, or that show no plane that stands up, get a vertical plane through their direction.
   [[nodiscard]] Frame frame() const;

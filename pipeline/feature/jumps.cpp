@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/feature/jumps.hpp"
 
+#include "pipeline/feature/passes.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -14,7 +16,6 @@ constexpr double kWallSlope = 1.7320508;     // tan 60: a wall of 80 degrees wit
 constexpr std::uint32_t kMostIntervals = 16; // more are a slope that may be smooth
 constexpr double kBeside = 2.5;              // pitches from a step's cut to the wall that it stands for
 constexpr double kAtOnce = 1.1;              // and from that of a crease
-constexpr std::size_t kBlock = 32;           // samples looked at together: hardly any is a wall
 
 double least_wall(const Sampling& sampling) noexcept {
   return std::max(8.0 * sampling.noise, 0.09);
@@ -30,61 +31,34 @@ bool has(const auto& sorted, std::int64_t column) noexcept {
   return !sorted.empty() && find_column(sorted, column) != sorted.end();
 }
 
-/// Looks for steep intervals of a row.
-class SteepFinder {
-public:
-  SteepFinder(const PatchRow& row, double least)
-      : row_(row), least_(least), coarse_(static_cast<float>(kAlmost * std::max(least, kWallSlope * row.least_step))) {}
-
-  [[nodiscard]] bool is_steep(std::uint32_t k) const noexcept {
-    const double dw = std::abs(row_.w[k + 1] - row_.w[k]);
-    return dw > least_ && dw > kWallSlope * (row_.s[k + 1] - row_.s[k]);
-  }
-  /// The next one from sample `k` on that ends no later than `last`, or `last`.
-  [[nodiscard]] std::uint32_t next(std::uint32_t k, std::uint32_t last) const noexcept {
-    while (k < last) {
-      const auto stop = std::min<std::uint32_t>(k + kBlock, last);
-      if (row_.in_order && stop < row_.height.size() && !may_be_steep(row_.height.data() + k, stop - k)) k = stop;
-      while (k < stop && !is_steep(k)) ++k;
-      if (k < stop) return k;
-    }
-    return last;
-  }
-
-private:
-  static constexpr double kAlmost = 0.99; // heights by columns are rounded
-
-  [[nodiscard]] bool may_be_steep(const float* w, std::size_t count) const noexcept {
-    std::uint32_t any = 0;
-    for (std::size_t i = 0; i < count; ++i) any |= static_cast<std::uint32_t>(std::abs(w[i + 1] - w[i]) > coarse_);
-    return any != 0;
-  }
-
-  const PatchRow& row_;
-  double least_;
-  float coarse_; ///< what is no higher cannot be steep
-};
-
 } // namespace
 
 void Jumps::find_walls(const PatchRow& row, double least) {
+  constexpr double kAlmost = 0.99; // what is lower is not steep, however it is rounded
   walls_.clear();
-  const SteepFinder steep(row, 0.5 * least);
-  const double* w = row.w.data();
-  std::uint32_t begin = 0;
-  for (const std::uint32_t end : row.ends) {
-    const std::uint32_t last = end - 1;
-    for (std::uint32_t k = steep.next(begin, last); k < last;) {
-      const double dw = w[k + 1] - w[k];
-      std::uint32_t after = k + 1;
-      while (after < last && (w[after + 1] - w[after]) * dw > 0.0 && steep.is_steep(after)) ++after;
-      if (after - k <= kMostIntervals && std::abs(w[after] - w[k]) > least) {
-        walls_.push_back(k);
-        if (after - k > 1) walls_.push_back(after - 1);
-      }
-      k = steep.next(after, last);
-    }
-    begin = end;
+  const double *s = row.s.data(), *w = row.w.data();
+  const double high = 0.5 * least;
+  const auto is_steep = [&](std::uint32_t k) {
+    const double dw = std::abs(w[k + 1] - w[k]);
+    return dw > high && dw > kWallSlope * (s[k + 1] - s[k]);
+  };
+  high_.resize(row.w.size());
+  const double limit = kAlmost * std::max(high, kWallSlope * row.least_step);
+  const std::size_t count = passes::apart(w + 1, w, limit, high_.data(), row.w.size() - 1);
+  auto end = row.ends.begin();
+  std::uint32_t after = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint32_t k = high_[i];
+    if (k < after) continue; // part of the wall before
+    while (k >= *end) ++end;
+    const std::uint32_t last = *end - 1;
+    if (k == last || !is_steep(k)) continue;
+    const double dw = w[k + 1] - w[k];
+    after = k + 1;
+    while (after < last && (w[after + 1] - w[after]) * dw > 0.0 && is_steep(after)) ++after;
+    if (after - k > kMostIntervals || std::abs(w[after] - w[k]) <= least) continue;
+    walls_.push_back(k);
+    if (after - k > 1) walls_.push_back(after - 1);
   }
 }
 
@@ -124,14 +98,9 @@ void Jumps::find(const PatchRow& before, const PatchRow& now, const Sampling& sa
   const float* a = before.height.data() + (first - before.first_column);
   const float* b = now.height.data() + (first - now.first_column);
   const auto columns = static_cast<std::size_t>(end - first);
-  for (std::size_t i = 0; i < columns; i += kBlock) {
-    const std::size_t stop = std::min(columns, i + kBlock);
-    std::uint32_t any = 0;
-    for (std::size_t j = i; j < stop; ++j) any |= static_cast<std::uint32_t>(std::abs(b[j] - a[j]) > least);
-    if (any == 0) continue;
-    for (std::size_t j = i; j < stop; ++j)
-      if (std::abs(b[j] - a[j]) > least) out.push_back({first + static_cast<std::int64_t>(j), b[j] > a[j]});
-  }
+  high_.resize(columns);
+  const std::size_t count = passes::apart(b, a, least, high_.data(), columns);
+  for (std::size_t i = 0; i < count; ++i) out.push_back({first + high_[i], b[high_[i]] > a[high_[i]]});
 }
 
 void Jumps::across(const PatchRow& before, const PatchRow& now, const PatchRow* next, double pitch, const Sampling& sampling,

@@ -30,12 +30,13 @@ private:
     std::int64_t column = 0;
     bool rises = false;
   };
-  static void find(const PatchRow& before, const PatchRow& now, const Sampling& sampling, std::vector<Wall>& out);
+  void find(const PatchRow& before, const PatchRow& now, const Sampling& sampling, std::vector<Wall>& out);
   void find_walls(const PatchRow& row, double least);
 
   std::vector<Wall> above_, here_, below_; ///< walls before, between and after the two rows, by column
   bool known_ = false;                     ///< `below_` holds those of the rows that come next
   std::vector<std::uint32_t> walls_;       ///< of a row: sample before each
+  std::vector<std::uint32_t> high_;        ///< scratch: where heights are apart
   std::vector<Cut> parting_, merged_;
 };
 

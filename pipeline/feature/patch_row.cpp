@@ -2,10 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/feature/patch_row.hpp"
 
+#include "pipeline/feature/passes.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <span>
 
 namespace scansion {
 
@@ -14,23 +15,13 @@ namespace {
 constexpr double kHole = 1.2;   // pitches from a column to its sample
 constexpr double kPhase = 0.27; // of a pitch: samples often stand on columns or midway between them
 
-enum class Spread : std::uint8_t { even, slight, any };
-
-// How samples stand against an even grid from the first one on: about where it has them, in the same column, or anywhere.
-// Without branches, in few bytes: for all samples of all rows.
-Spread spread_of(std::span<const double> s, double per_mm) noexcept {
+// How samples stand against columns: one to each, about where the grid from the first sample has them (even), or somewhere.
+passes::Standing standing_of(const std::vector<double>& s, double per_mm) noexcept {
   constexpr float kEven = 0.25F; // pitches
   const double origin = s[0] * per_mm;
   const double above = std::floor(origin - kPhase) + kPhase;
-  const auto low = static_cast<float>(above - origin), high = static_cast<float>(above + 1.0 - origin);
-  std::uint32_t outside = 0, uneven = 0;
-  const auto n = static_cast<std::int32_t>(s.size());
-  for (std::int32_t k = 0; k < n; ++k) {
-    const auto shift = static_cast<float>(s[static_cast<std::size_t>(k)] * per_mm - origin - k);
-    outside |= static_cast<std::uint32_t>(shift < low) | static_cast<std::uint32_t>(shift >= high);
-    uneven |= static_cast<std::uint32_t>(std::abs(shift) > kEven);
-  }
-  return outside != 0 ? Spread::any : uneven != 0 ? Spread::slight : Spread::even;
+  return passes::standing(
+      s.data(), {per_mm, static_cast<float>(above - origin), static_cast<float>(above + 1.0 - origin), kEven}, s.size());
 }
 
 } // namespace
@@ -50,22 +41,14 @@ bool PatchRow::take(Profile& profile, double pitch, double base) {
   first_column = static_cast<std::int64_t>(first);
   const auto columns = static_cast<std::size_t>(last - first) + 1;
   height.resize(columns);
-  const Spread spread = spread_of(s, per_mm);
-  in_order = spread != Spread::any;
-  least_step = spread == Spread::even ? 0.5 * pitch : 0.0;
+  const auto [one_to_each, even] = standing_of(s, per_mm);
+  in_order = one_to_each;
+  least_step = one_to_each && even ? 0.5 * pitch : 0.0;
   if (in_order)
-    stand_in_order(base);
+    passes::lower(w.data(), base, height.data(), columns);
   else
     stand_anywhere(pitch, base);
   return true;
-}
-
-// One sample to each column.
-void PatchRow::stand_in_order(double base) {
-  const double* from = w.data();
-  float* to = height.data();
-  const std::size_t columns = height.size();
-  for (std::size_t j = 0; j < columns; ++j) to[j] = static_cast<float>(from[j] - base);
 }
 
 void PatchRow::stand_anywhere(double pitch, double base) {

@@ -40,7 +40,6 @@ struct PatchRow {
   [[nodiscard]] std::int64_t end_column() const noexcept { return first_column + static_cast<std::int64_t>(height.size()); }
 
 private:
-  void stand_in_order(double base);
   void stand_anywhere(double pitch, double base);
 };
 

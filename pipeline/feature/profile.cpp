@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/feature/profile.hpp"
 
+#include "pipeline/feature/passes.hpp"
+
 #include <algorithm>
 #include <numeric>
 
@@ -48,38 +50,12 @@ void mask_steps_back(Profile& p) {
   if (!p.ends.empty() && p.ends.front() == 0) p.ends.erase(p.ends.begin());
 }
 
-std::size_t steps_back(const std::vector<double>& s) {
-  std::size_t wrong = 0;
-  for (std::size_t k = 1; k < s.size(); ++k) wrong += static_cast<std::size_t>(s[k] <= s[k - 1]);
-  return wrong;
-}
-
-// Profiles of most devices stand on two axes of the lattice: nothing else is looked at then.
-void project(const RawLine& line, double resolution, const Frame& frame, double* s, double* w) {
-  const std::size_t n = line.size();
-  const std::int32_t* x = line.xyz[0].data();
-  const std::int32_t* y = line.xyz[1].data();
-  const std::int32_t* z = line.xyz[2].data();
-  const Vector3 &e = frame.along, &m = frame.up;
-  if (e == Vector3{1.0, 0.0, 0.0} && m == Vector3{0.0, 0.0, 1.0}) {
-    for (std::size_t k = 0; k < n; ++k) s[k] = x[k] * resolution;
-    for (std::size_t k = 0; k < n; ++k) w[k] = z[k] * resolution;
-    return;
-  }
-  for (std::size_t k = 0; k < n; ++k) {
-    const double x_mm = x[k] * resolution, y_mm = y[k] * resolution;
-    s[k] = x_mm * e[0] + y_mm * e[1];
-    w[k] = x_mm * m[0] + y_mm * m[1] + z[k] * resolution * m[2];
-  }
-}
-
 // Place of the line's mean across the lines, in mm.
 double place_across(const RawLine& line, double resolution, const Vector3& normal) {
   double c = 0.0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (normal[axis] == 0.0) continue;
-    std::int64_t sum = 0; // exact, whatever the order
-    for (const std::int32_t value : line.xyz[axis]) sum += value;
+    const std::int64_t sum = passes::sum(line.xyz[axis].data(), line.size());
     c += static_cast<double>(sum) * resolution / static_cast<double>(line.size()) * normal[axis];
   }
   return c;
@@ -95,17 +71,18 @@ void make_profile(const RawLine& line, double resolution, const Frame& frame, Pr
   out.s.resize(n);
   out.w.resize(n);
   out.source.resize(n);
-  project(line, resolution, frame, out.s.data(), out.w.data());
+  passes::project({line.xyz[0].data(), line.xyz[1].data(), line.xyz[2].data()}, {resolution, frame.along, frame.up},
+                  out.s.data(), out.w.data(), n);
   std::iota(out.source.begin(), out.source.end(), 0U);
   if (n > 0) out.c = place_across(line, resolution, frame.normal);
   out.distance.assign(line.distance.begin(), line.distance.end());
   out.ends.assign(line.ends.begin(), line.ends.end());
-  const std::size_t back = steps_back(out.s);
+  const std::size_t back = passes::count_back(out.s.data(), n);
   if (back == 0) return;
   if (2 * back > n - 1) {
     out.turned = true;
     turn_round(out);
-    if (steps_back(out.s) == 0) return;
+    if (passes::count_back(out.s.data(), n) == 0) return;
   }
   mask_steps_back(out);
 }

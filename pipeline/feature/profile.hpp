@@ -34,11 +34,11 @@ struct Profile {
   }
 };
 
-/// One line: its points in counts, where its runs end, its distances in mm.
+/// One line: its points in counts, where its runs end, its distances in mm. Points and distances are somebody else's.
 struct RawLine {
   std::uint64_t index = 0;
-  std::array<std::vector<std::int32_t>, 3> xyz;
-  std::vector<double> distance;
+  Counts xyz;
+  std::span<const double> distance;
   std::vector<std::uint32_t> ends;
 
   [[nodiscard]] std::size_t size() const noexcept { return distance.size(); }

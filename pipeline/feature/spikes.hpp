@@ -8,6 +8,6 @@ namespace scansion {
 
 /// Replaces the height of samples that stand out from both neighbours on one side. `noise` in mm. Runs that had any are ranked
 /// again by `ranker`, if there is one.
-void clean_spikes(Profile& profile, double noise, ProfileRanker* ranker);
+void clean_spikes(Profile& profile, double noise, ProfileRanker* ranker, std::vector<std::uint32_t>& scratch);
 
 } // namespace scansion

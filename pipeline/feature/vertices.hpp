@@ -15,6 +15,6 @@ struct Vertex {
 };
 
 /// All points with D >= `least` that are no ends of a run, in order. `stack` is scratch.
-void find_vertices(const Profile& profile, double least, std::vector<std::uint32_t>& stack, std::vector<Vertex>& out);
+void find_vertices(const Profile& profile, double least, std::vector<std::uint32_t>& scratch, std::vector<Vertex>& out);
 
 } // namespace scansion

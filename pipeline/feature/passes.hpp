@@ -1,0 +1,54 @@
+// Loops over all samples of a line: without branches and without dependence from sample to sample. Each is compiled for the
+// baseline and again for AVX2, with the same results: nothing is added up but whole numbers, and nothing is fused.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace scansion::passes {
+
+/// From counts to a place along the line and a height: mm per count, then unit vectors. `along` has no part in z.
+struct Projection {
+  double resolution = 1.0;
+  std::array<double, 3> along{}, up{};
+};
+/// `xyz`: n values each.
+void project(const std::array<const std::int32_t*, 3>& xyz, const Projection& projection, double* s, double* w,
+             std::size_t n) noexcept;
+
+[[nodiscard]] std::int64_t sum(const std::int32_t* values, std::size_t n) noexcept;
+
+/// How many of the values are no larger than the one before.
+[[nodiscard]] std::size_t count_back(const double* values, std::size_t n) noexcept;
+
+/// Writes the i with |a[i] - b[i]| > limit to `indexes`, which has room for n, and returns how many they are.
+[[nodiscard]] std::size_t apart(const double* a, const double* b, double limit, std::uint32_t* indexes, std::size_t n) noexcept;
+[[nodiscard]] std::size_t apart(const float* a, const float* b, float limit, std::uint32_t* indexes, std::size_t n) noexcept;
+
+/// The same for values[i] >= limit.
+[[nodiscard]] std::size_t reaching(const double* values, double limit, std::uint32_t* indexes, std::size_t n) noexcept;
+
+/// How values stand against an even grid with one of them to each of its steps, the first one at its beginning.
+struct Grid {
+  double per_mm = 1.0;
+  float low = 0.0F, high = 0.0F; ///< shifts in steps of the grid: none below `low`, and all below `high`?
+  float even = 0.0F;             ///< and none larger than this, up or down?
+};
+struct Standing {
+  bool inside = false, even = false;
+};
+[[nodiscard]] Standing standing(const double* values, const Grid& grid, std::size_t n) noexcept;
+
+/// to[i] = from[i] - base.
+void lower(const double* from, double base, float* to, std::size_t n) noexcept;
+
+/// The baseline versions of those that are not the same source for both, for tests.
+namespace portable {
+[[nodiscard]] std::size_t apart(const double* a, const double* b, double limit, std::uint32_t* indexes, std::size_t n) noexcept;
+[[nodiscard]] std::size_t apart(const float* a, const float* b, float limit, std::uint32_t* indexes, std::size_t n) noexcept;
+[[nodiscard]] std::size_t reaching(const double* values, double limit, std::uint32_t* indexes, std::size_t n) noexcept;
+} // namespace portable
+
+} // namespace scansion::passes

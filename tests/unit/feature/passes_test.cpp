@@ -1,0 +1,115 @@
+// The loops over all samples: against their definitions, and both versions against each other.
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/feature/passes.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
+namespace scansion {
+namespace {
+
+// Lengths around those of vectors and blocks.
+constexpr std::size_t kMost = 133;
+
+template <typename T>
+std::vector<T> values(std::size_t n, unsigned seed) {
+  constexpr T kFar = std::numeric_limits<T>::infinity(), kNone = std::numeric_limits<T>::quiet_NaN();
+  std::mt19937 random(seed);
+  std::uniform_int_distribution<int> step(-3, 3), rare(0, 40);
+  std::vector<T> out(n);
+  for (T& value : out) {
+    value = static_cast<T>(step(random));
+    const int which = rare(random);
+    if (which < 3) value = which == 0 ? kFar : which == 1 ? -kFar : kNone;
+  }
+  return out;
+}
+
+template <typename T>
+void expect_apart(T limit) {
+  for (std::size_t n = 0; n < kMost; ++n) {
+    const auto a = values<T>(n, 1), b = values<T>(n, 2);
+    std::vector<std::uint32_t> expected, found(n), portable(n);
+    for (std::size_t k = 0; k < n; ++k)
+      if (std::abs(a[k] - b[k]) > limit) expected.push_back(static_cast<std::uint32_t>(k));
+    found.resize(passes::apart(a.data(), b.data(), limit, found.data(), n));
+    portable.resize(passes::portable::apart(a.data(), b.data(), limit, portable.data(), n));
+    EXPECT_EQ(found, expected) << n;
+    EXPECT_EQ(portable, expected) << n;
+  }
+}
+
+TEST(Passes, FindWhatIsApart) {
+  for (const double limit : {0.0, 1.0, 2.5, 100.0}) expect_apart<double>(limit);
+  for (const float limit : {0.0F, 1.0F, 2.5F, 100.0F}) expect_apart<float>(limit);
+}
+
+TEST(Passes, FindWhatReachesALimit) {
+  for (std::size_t n = 0; n < kMost; ++n) {
+    const auto all = values<double>(n, 3);
+    std::vector<std::uint32_t> expected, found(n), portable(n);
+    for (std::size_t k = 0; k < n; ++k)
+      if (all[k] >= 1.0) expected.push_back(static_cast<std::uint32_t>(k));
+    found.resize(passes::reaching(all.data(), 1.0, found.data(), n));
+    portable.resize(passes::portable::reaching(all.data(), 1.0, portable.data(), n));
+    EXPECT_EQ(found, expected) << n;
+    EXPECT_EQ(portable, expected) << n;
+  }
+}
+
+TEST(Passes, ProjectAndSumCounts) {
+  std::mt19937 random(4);
+  std::uniform_int_distribution<std::int32_t> count(-2'000'000'000, 2'000'000'000);
+  const passes::Projection projection{0.001, {0.6, 0.8, 0.0}, {0.16, -0.12, 0.98}};
+  for (std::size_t n = 0; n < kMost; ++n) {
+    std::array<std::vector<std::int32_t>, 3> xyz;
+    for (auto& axis : xyz) {
+      axis.resize(n);
+      for (std::int32_t& value : axis) value = count(random);
+    }
+    std::vector<double> s(n), w(n);
+    passes::project({xyz[0].data(), xyz[1].data(), xyz[2].data()}, projection, s.data(), w.data(), n);
+    std::int64_t total = 0;
+    for (std::size_t k = 0; k < n; ++k) {
+      const double x = xyz[0][k] * 0.001, y = xyz[1][k] * 0.001, z = xyz[2][k] * 0.001;
+      EXPECT_EQ(s[k], x * 0.6 + y * 0.8);
+      EXPECT_EQ(w[k], x * 0.16 + y * -0.12 + z * 0.98);
+      total += xyz[0][k];
+    }
+    EXPECT_EQ(passes::sum(xyz[0].data(), n), total);
+  }
+}
+
+TEST(Passes, CountStepsBack) {
+  for (std::size_t n = 0; n < kMost; ++n) {
+    const auto all = values<double>(n, 5);
+    std::size_t expected = 0;
+    for (std::size_t k = 1; k < n; ++k) expected += static_cast<std::size_t>(all[k] <= all[k - 1]);
+    EXPECT_EQ(passes::count_back(all.data(), n), expected) << n;
+  }
+}
+
+TEST(Passes, TellHowSamplesStand) {
+  const passes::Grid grid{10.0, -0.4F, 0.6F, 0.25F};
+  for (std::size_t n = 1; n < kMost; ++n) {
+    std::vector<double> s(n);
+    for (std::size_t k = 0; k < n; ++k) s[k] = 3.0 + 0.1 * static_cast<double>(k);
+    EXPECT_TRUE(passes::standing(s.data(), grid, n).inside && passes::standing(s.data(), grid, n).even) << n;
+    const double right = s[n - 1];
+    if (n == 1) continue; // the first one is where the grid begins
+    s[n - 1] = right + 0.05;
+    EXPECT_TRUE(passes::standing(s.data(), grid, n).inside) << n;
+    EXPECT_FALSE(passes::standing(s.data(), grid, n).even) << n;
+    s[n - 1] = right + 0.07;
+    EXPECT_FALSE(passes::standing(s.data(), grid, n).inside) << n;
+    s[n - 1] = right - 0.05;
+    EXPECT_FALSE(passes::standing(s.data(), grid, n).inside) << n;
+  }
+}
+
+} // namespace
+} // namespace scansion
