@@ -36,6 +36,13 @@ Foot foot_of(double s, double c, const std::array<double, 3>& from, const std::a
   return foot;
 }
 
+Box box_of(const std::array<double, 3>& from, const std::array<double, 3>& to) noexcept {
+  Box box;
+  box.add(from[0], from[2]);
+  box.add(to[0], to[2]);
+  return box;
+}
+
 /// How far an end is from a line that it runs into; below 0 when it does not.
 double gap_to(const Tip& tip, const std::array<double, 3>& from, const std::array<double, 3>& to, const Sampling& sampling) {
   constexpr double kNo = -1.0;
@@ -74,7 +81,7 @@ void Junctions::make_segments(const Curve& curve, const Sampling& sampling) {
   for (std::size_t k = 1; k < curve.points.size(); ++k) {
     const auto now = place(curve.points[k]);
     if (k + 1 < curve.points.size() && is_within(now[0] - last[0], now[2] - last[2], kReach * sampling.coarse())) continue;
-    own_.push_back({last, now, curve.id, curve.convex, step});
+    own_.push_back({last, now, box_of(last, now), curve.id, curve.convex, step});
     last = now;
   }
 }
@@ -83,21 +90,16 @@ void Junctions::make_segments(const Curve& curve, const Sampling& sampling) {
 void Junctions::gather(const Curve& curve, const Sampling& sampling) {
   near_.clear();
   beside_.clear();
-  beside_boxes_.clear();
   around_ = {};
   for (const CurvePoint& p : curve.points) around_.add(p.s, p.c);
-  const double reach = std::max(kReach, kBeside) * sampling.coarse();
   const bool step = !own_.empty() && own_.front().step;
-  for (const Segment& g : segments_) {
-    const Box box = Box::of(g);
-    if (!around_.is_near(box, reach)) continue;
+  segments_.visit(around_, std::max(kReach, kBeside) * sampling.coarse(), [&](const Segment& g) {
     if (g.convex == curve.convex) {
       if (g.line != curve.id) near_.push_back(g);
     } else if (step && g.step) {
       beside_.push_back(g);
-      beside_boxes_.push_back(box);
     }
-  }
+  });
 }
 
 bool Junctions::is_at_border(const Tip& tip, const Sampling& sampling) const {
@@ -128,7 +130,7 @@ void Junctions::meet_end(Curve& curve, bool back, const Sampling& sampling) {
   }
   if (end.why == FeatureEnd::death && is_at_border(tip, sampling)) end.why = FeatureEnd::border;
   // The first piece of a line has both of its ends; a later one stands before or behind the others.
-  loose_.push_back({tip, {curve.id, back}, curve.convex});
+  loose_.add({tip, {tip.s, tip.s, tip.c, tip.c}, {curve.id, back}, curve.convex});
 }
 
 // The edges of a step stand above each other.
@@ -142,9 +144,8 @@ void Junctions::find_partner(Curve& curve, const Sampling& sampling) const {
     const CurvePoint& p = curve.points[k];
     const Segment* best = nullptr;
     double least = kBeside * sampling.coarse();
-    for (std::size_t i = 0; i < beside_.size(); ++i) {
-      if (!beside_boxes_[i].is_near({p.s, p.s, p.c, p.c}, least)) continue;
-      const Segment& g = beside_[i];
+    for (const Segment& g : beside_) {
+      if (!g.box.is_near({p.s, p.s, p.c, p.c}, least)) continue;
       const Foot foot = foot_of(p.s, p.c, g.from, g.to);
       if (foot.gap > least || (foot.w < p.w) != curve.convex) continue; // the bottom below the top
       best = &g;
@@ -165,18 +166,15 @@ void Junctions::meet(Curve& curve, const Sampling& sampling) {
     meet_end(curve, false, sampling);
     meet_end(curve, true, sampling);
   }
-  const double reach = kReach * sampling.coarse();
-  std::erase_if(loose_, [&](const Loose& loose) {
-    const Tip& tip = loose.tip;
-    if (!around_.is_near({tip.s, tip.s, tip.c, tip.c}, reach)) return false;
+  loose_.erase_near(around_, kReach * sampling.coarse(), [&](const Loose& loose) {
     if (loose.end.line == curve.id || loose.convex != curve.convex) return false;
-    const bool meets =
-        std::any_of(own_.begin(), own_.end(), [&](const Segment& g) { return gap_to(tip, g.from, g.to, sampling) >= 0.0; });
+    const bool meets = std::any_of(own_.begin(), own_.end(),
+                                   [&](const Segment& g) { return gap_to(loose.tip, g.from, g.to, sampling) >= 0.0; });
     if (meets) curve.met_by.push_back(loose.end);
     return meets;
   });
   find_partner(curve, sampling);
-  segments_.insert(segments_.end(), own_.begin(), own_.end());
+  for (const Segment& g : own_) segments_.add(g);
   forget();
 }
 
@@ -185,11 +183,8 @@ void Junctions::forget() {
   constexpr std::size_t kRoom = 1024;
   if (segments_.size() + loose_.size() < room_) return;
   const double horizon = rows_.empty() ? -1e300 : rows_.front().c;
-  std::erase_if(segments_, [&](const Segment& g) { return std::max(g.from[2], g.to[2]) < horizon; });
-  std::erase_if(loose_, [&](const Loose& l) { return l.tip.c < horizon; });
-  if (segments_.size() > kSegments)
-    segments_.erase(segments_.begin(), segments_.begin() + static_cast<std::ptrdiff_t>(segments_.size() - kSegments));
-  while (loose_.size() > kLoose) loose_.pop_front();
+  segments_.forget(horizon, kSegments);
+  loose_.forget(horizon, kLoose);
   room_ = segments_.size() + loose_.size() + kRoom;
 }
 

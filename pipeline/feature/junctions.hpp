@@ -3,10 +3,10 @@
 #pragma once
 
 #include "pipeline/feature/curve.hpp"
+#include "pipeline/feature/nearby.hpp"
 #include "pipeline/feature/profile.hpp"
 #include "pipeline/feature/sampling.hpp"
 
-#include <algorithm>
 #include <deque>
 #include <vector>
 
@@ -32,33 +32,15 @@ private:
   /// A straight piece of a line that has gone out.
   struct Segment {
     std::array<double, 3> from{}, to{}; // s, w, c
+    Box box;
     std::uint64_t line = 0;
     bool convex = true, step = false;
   };
   struct Loose {
     Tip tip;
+    Box box;
     LineEnd end;
     bool convex = true;
-  };
-  /// A rectangle in plan.
-  struct Box {
-    double low_s = 1e300, high_s = -1e300, low_c = 1e300, high_c = -1e300;
-    void add(double s, double c) noexcept {
-      low_s = std::min(low_s, s);
-      high_s = std::max(high_s, s);
-      low_c = std::min(low_c, c);
-      high_c = std::max(high_c, c);
-    }
-    [[nodiscard]] bool is_near(const Box& other, double reach) const noexcept {
-      return other.low_c <= high_c + reach && other.high_c >= low_c - reach && other.low_s <= high_s + reach &&
-             other.high_s >= low_s - reach;
-    }
-    [[nodiscard]] static Box of(const Segment& g) noexcept {
-      Box box;
-      box.add(g.from[0], g.from[2]);
-      box.add(g.to[0], g.to[2]);
-      return box;
-    }
   };
   void make_segments(const Curve& curve, const Sampling& sampling);
   void gather(const Curve& curve, const Sampling& sampling);
@@ -69,12 +51,11 @@ private:
 
   std::deque<Row> rows_;
   double first_c_ = 0.0;
-  std::vector<Segment> segments_;
-  std::deque<Loose> loose_;
+  Nearby<Segment> segments_;
+  Nearby<Loose> loose_;
   std::vector<Segment> own_; // of the curve at hand
   // Of what went out before, the pieces of its polarity near it, and those of the other edges of steps:
   std::vector<Segment> near_, beside_;
-  std::vector<Box> beside_boxes_;
   Box around_;           // the curve at hand
   std::size_t room_ = 0; // segments and ends that are held before anything is forgotten
 };
