@@ -71,8 +71,7 @@ void CrosswiseLinker::note_growth(std::uint32_t track, TrackEnd end) {
     fronts_.put(track, t.points.front().step);
   else
     backs_.put(track, t.points.back().step);
-  if (!ends.grew) grew_.push_back(track);
-  ends.grew = true;
+  latest_[track] = std::max(t.points.front().q, t.points.back().q);
 }
 
 void CrosswiseLinker::bear(const ColumnPoint& point) {
@@ -148,7 +147,6 @@ void CrosswiseLinker::end(std::span<std::uint32_t> tracks, std::vector<Track>& e
 
 // As far as either end expects a point in the last column of its reach, with the part of the gate that grows on the way.
 double CrosswiseLinker::latest_of(std::uint32_t track, double pitch) {
-  if (live_[track].points.empty()) return kNever;
   const double way = static_cast<double>(kReachColumns) * pitch;
   double latest = -kNever;
   for (const TrackEnd side : {TrackEnd::front, TrackEnd::back}) {
@@ -160,15 +158,13 @@ double CrosswiseLinker::latest_of(std::uint32_t track, double pitch) {
 }
 
 void CrosswiseLinker::retire(double settled, double pitch, const Sampling& sampling, std::vector<Track>& ended) {
-  for (const std::uint32_t t : grew_) {
-    latest_[t] = latest_of(t, pitch);
-    ends_[t].grew = false;
-  }
-  grew_.clear();
   const double limit = settled - kUnsure * sampling.spacing;
   ending_.clear();
-  for (std::uint32_t t = 0; t < latest_.size(); ++t)
+  for (std::uint32_t t = 0; t < latest_.size(); ++t) {
+    if (latest_[t] >= limit) continue;
+    latest_[t] = latest_of(t, pitch);
     if (latest_[t] < limit) ending_.push_back(t);
+  }
   end(ending_, ended);
 }
 

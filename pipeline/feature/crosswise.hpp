@@ -36,7 +36,6 @@ private:
   struct Ends {
     std::array<Axis, 2> axes; ///< by TrackEnd
     std::array<bool, 2> known{};
-    bool grew = false; ///< stands in grew_
   };
   [[nodiscard]] Choice best_end(const ColumnPoint& point, TrackEnd end, const Sampling& sampling);
   void place(const ColumnPoint& point, const Sampling& sampling);
@@ -52,10 +51,9 @@ private:
 
   Linking linking_;
   std::vector<Track> live_;
-  std::vector<Ends> ends_;            ///< of these tracks
-  std::vector<double> latest_;        ///< c up to which a point may continue them, less what depends on the spacing; mm
+  std::vector<Ends> ends_;     ///< of these tracks
+  std::vector<double> latest_; ///< c up to which a point may continue them at least, less what depends on the spacing; mm
   std::vector<std::uint32_t> vacant_; ///< of these tracks
-  std::vector<std::uint32_t> grew_;   ///< tracks whose `latest_` is out of date
   std::vector<std::uint32_t> ending_; ///< scratch
   ColumnEnds fronts_, backs_;
   std::uint64_t next_id_ = 1;
