@@ -16,6 +16,15 @@ double angle(double ds, double dw) noexcept {
   return std::atan2(dw, ds) * 180.0 / std::numbers::pi;
 }
 
+// Whether a vertex may be a corner at all. Over its flanks one turns by 7 degrees; against its neighbours, which stand on these
+// flanks or beyond their ends, it turns about as much.
+bool may_turn(const Profile& profile, const Vertex& vertex) noexcept {
+  constexpr double kLeast = 0.0699268119435; // tangent of 4 degrees
+  const double before_s = profile.s[vertex.k] - profile.s[vertex.before], before_w = profile.w[vertex.k] - profile.w[vertex.before];
+  const double after_s = profile.s[vertex.after] - profile.s[vertex.k], after_w = profile.w[vertex.after] - profile.w[vertex.k];
+  return std::abs(before_s * after_w - before_w * after_s) >= kLeast * (before_s * after_s + before_w * after_w);
+}
+
 } // namespace
 
 double least_distance(double noise) noexcept {
@@ -148,6 +157,7 @@ void Detector::detect(const Profile& profile, const Sampling& sampling, std::vec
   for (const Vertex& vertex : vertices_) {
     while (vertex.k >= profile.ends[run]) begin = profile.ends[run++];
     if (vertex.k < begin + kLineEnd || vertex.k + kLineEnd >= profile.ends[run]) continue;
+    if (!may_turn(profile, vertex)) continue;
     while (wall < walls_.size() && walls_[wall].high + 1 < vertex.k) ++wall;
     if (wall < walls_.size() && walls_[wall].step && vertex.k + 1 >= walls_[wall].low) continue;
     // No fit reaches beyond a step.
