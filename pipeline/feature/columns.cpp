@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/feature/columns.hpp"
 
+#include "pipeline/feature/column_samples.hpp"
 #include "pipeline/feature/detector.hpp"
 
 #include <cmath>
@@ -58,32 +59,6 @@ bool Columns::make_room(double low, double high) {
   return true;
 }
 
-void Columns::resample(const Profile& profile, const Sampling& sampling, Row& out) const {
-  constexpr double kWidest = 3.5; // pitches between samples
-  std::fill(out.height.begin(), out.height.end(), kNone);
-  const double jump = std::max(6.0 * sampling.noise, 1.5 * sampling.pitch);
-  const double* const s = profile.s.data();
-  const double* const w = profile.w.data();
-  float* const height = out.height.data() - left_;
-  std::uint32_t* const source = out.source.data() - left_;
-  std::uint32_t k = 0;
-  for (const std::uint32_t end : profile.ends) {
-    const auto first = static_cast<std::int64_t>(std::ceil(s[k] / pitch_));
-    const auto last = static_cast<std::int64_t>(std::floor(s[end - 1] / pitch_));
-    for (std::int64_t j = first; j <= last; ++j) {
-      const double place = static_cast<double>(j) * pitch_;
-      while (k + 2 < end && s[k + 1] < place) ++k;
-      if (k + 1 >= end) break;
-      const double ds = s[k + 1] - s[k], dw = w[k + 1] - w[k], t = place - s[k];
-      if (ds > kWidest * sampling.pitch) continue;
-      const bool nearer = t < ds - t;
-      height[j] = static_cast<float>((std::abs(dw) > jump ? (nearer ? w[k] : w[k + 1]) : w[k] + dw * (t / ds)) - base_);
-      source[j] = profile.source[nearer ? k : k + 1];
-    }
-    k = end;
-  }
-}
-
 void Columns::add(const Profile& profile, const Sampling& sampling, std::vector<ColumnPoint>& out) {
   if (profile.size() < 2 || !make_room(profile.s.front(), profile.s.back())) return;
   if (next_ == 0) base_ = profile.w[0];
@@ -92,7 +67,8 @@ void Columns::add(const Profile& profile, const Sampling& sampling, std::vector<
   Row& newest = row(r);
   newest.c = profile.c;
   newest.line = profile.line;
-  resample(profile, sampling, newest);
+  std::fill(newest.height.begin(), newest.height.end(), kNone);
+  sample_columns(profile, sampling, {pitch_, left_, base_}, newest.height.data(), newest.source.data());
   std::fill(newest.bend.begin(), newest.bend.end(), kNone);
   const auto n = static_cast<std::int64_t>(window_);
   if (r >= n) screen(r - n, sampling);

@@ -52,7 +52,6 @@ private:
   [[nodiscard]] bool has(std::int64_t r) const noexcept { return r >= first_ && r < next_; }
 
   [[nodiscard]] bool make_room(double low, double high);
-  void resample(const Profile& profile, const Sampling& sampling, Row& out) const;
   void screen(std::int64_t r, const Sampling& sampling);
   void view_rows(const WallTest& test);
   void harvest(std::int64_t r, const Sampling& sampling, std::vector<ColumnPoint>& out);
