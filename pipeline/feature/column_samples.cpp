@@ -12,6 +12,7 @@ namespace scansion {
 namespace {
 
 constexpr std::uint32_t kBlock = 16; // columns at once
+constexpr double kMidway = 0.5;      // between two samples; what stands there belongs to the second one
 constexpr double kSlack = 0.05;      // of a pitch: samples often stand on columns but for their rounding
 
 class ColumnSampler {
@@ -54,7 +55,7 @@ bool ColumnSampler::take_block(std::uint32_t k, std::int64_t column) noexcept {
     outside |= std::bit_cast<std::int64_t>(at + slack - s[i]) | std::bit_cast<std::int64_t>(s[i + 1] + slack - at) |
                std::bit_cast<std::int64_t>(widest - ds) | std::bit_cast<std::int64_t>(jump - std::abs(dw));
     height[i] = static_cast<float>(w[i] + dw * share - base);
-    beyond[i] = static_cast<std::int32_t>(share + 0.5);
+    beyond[i] = static_cast<std::int32_t>(share + kMidway);
   }
   if (outside < 0) return false;
   std::copy(height.begin(), height.end(), height_ + (column - grid_.left));

@@ -20,7 +20,8 @@ double angle(double ds, double dw) noexcept {
 // flanks or beyond their ends, it turns about as much.
 bool may_turn(const Profile& profile, const Vertex& vertex) noexcept {
   constexpr double kLeast = 0.0699268119435; // tangent of 4 degrees
-  const double before_s = profile.s[vertex.k] - profile.s[vertex.before], before_w = profile.w[vertex.k] - profile.w[vertex.before];
+  const double before_s = profile.s[vertex.k] - profile.s[vertex.before],
+               before_w = profile.w[vertex.k] - profile.w[vertex.before];
   const double after_s = profile.s[vertex.after] - profile.s[vertex.k], after_w = profile.w[vertex.after] - profile.w[vertex.k];
   return std::abs(before_s * after_w - before_w * after_s) >= kLeast * (before_s * after_s + before_w * after_w);
 }
