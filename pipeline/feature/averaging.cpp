@@ -37,7 +37,7 @@ void average_pairs(const Profile& profile, const Sampling& sampling, ProfileRank
       k = other + 1;
     }
     out.ends.push_back(static_cast<std::uint32_t>(out.size()));
-    out.distance.resize(out.size());
+    out.resize_distances(out.size());
     ranker.rank(out, first, out.size());
     begin = end;
   }

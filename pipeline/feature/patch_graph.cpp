@@ -59,7 +59,17 @@ std::uint32_t PatchGraph::find(std::uint32_t id) const {
 }
 
 void PatchGraph::resolve(std::int64_t row) {
-  for (const auto& [from, into] : aliases_) past_aliases_[from] = {into, row};
+  for (const auto& [from, into] : aliases_) {
+    if (spare_aliases_.empty()) {
+      past_aliases_[from] = {into, row};
+      continue;
+    }
+    Aliases::node_type alias = std::move(spare_aliases_.back());
+    spare_aliases_.pop_back();
+    alias.key() = from;
+    alias.mapped() = {into, row};
+    past_aliases_.insert(std::move(alias));
+  }
   aliases_.clear();
 }
 
@@ -69,7 +79,10 @@ std::uint32_t PatchGraph::find_past(std::uint32_t id) const {
 }
 
 void PatchGraph::forget_aliases(std::int64_t before_row) {
-  std::erase_if(past_aliases_, [&](const auto& entry) { return entry.second.row < before_row; });
+  for (auto at = past_aliases_.begin(); at != past_aliases_.end();) {
+    const auto alias = at++;
+    if (alias->second.row < before_row) spare_aliases_.push_back(past_aliases_.extract(alias));
+  }
 }
 
 std::uint32_t PatchGraph::unite(std::uint32_t a, std::uint32_t b, std::vector<PatchMerge>& merges) {

@@ -86,7 +86,9 @@ private:
     std::int64_t row = 0;
   };
   boost::container::flat_map<std::uint32_t, std::uint32_t> aliases_;
-  std::unordered_map<std::uint32_t, Alias> past_aliases_;
+  using Aliases = std::unordered_map<std::uint32_t, Alias>;
+  Aliases past_aliases_;
+  std::vector<Aliases::node_type> spare_aliases_;
   std::uint32_t next_ = 0;
 };
 

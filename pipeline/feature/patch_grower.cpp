@@ -330,12 +330,13 @@ void PatchGrower::close(bool is_complete, const Sampling& sampling, FeatureRepor
 }
 
 void PatchGrower::advance(double complete, Cuts& cuts, const Sampling& sampling, FeatureReport& report) {
-  while (!rows_.empty() && rows_.front().c <= complete) {
-    assign(rows_.front(), rows_.size() > 1 ? &rows_[1] : nullptr, cuts, sampling, report);
+  auto row = rows_.begin();
+  for (; row != rows_.end() && row->c <= complete; ++row) {
+    assign(*row, std::next(row) != rows_.end() ? &*std::next(row) : nullptr, cuts, sampling, report);
     spare_.push_back(std::move(last_row_));
-    last_row_ = std::move(rows_.front());
-    rows_.pop_front();
+    last_row_ = std::move(*row);
   }
+  rows_.erase(rows_.begin(), row);
   close(false, sampling, report);
 }
 

@@ -8,7 +8,6 @@
 #include "pipeline/feature/patch_graph.hpp"
 #include "pipeline/feature/patch_row.hpp"
 
-#include <deque>
 #include <vector>
 
 namespace scansion {
@@ -68,7 +67,7 @@ private:
   PatchCloser closer_;
   Edge edge_;
   Jumps jumps_;
-  std::deque<PatchRow> rows_;
+  std::vector<PatchRow> rows_; ///< that wait
   std::vector<PatchRow> spare_;
   std::vector<Stretch> above_, now_, held_;
   std::vector<Contact> contacts_;

@@ -15,7 +15,8 @@ void turn_round(Profile& p) {
   std::reverse(p.s.begin(), p.s.end());
   std::reverse(p.w.begin(), p.w.end());
   std::reverse(p.source.begin(), p.source.end());
-  std::reverse(p.distance.begin(), p.distance.end());
+  std::vector<double>& distance = p.own_distances();
+  std::reverse(distance.begin(), distance.end());
   const auto size = static_cast<std::uint32_t>(p.s.size());
   std::reverse(p.ends.begin(), p.ends.end());
   // Ends in reverse order were one past the last sample of each run: shift them to what follows the run before.
@@ -26,6 +27,7 @@ void turn_round(Profile& p) {
 
 // Keeps the samples that advance. Steps back are folds, overhangs or a device's slips: no function of s.
 void mask_steps_back(Profile& p) {
+  std::vector<double>& distance = p.own_distances();
   std::size_t kept = 0, run = 0;
   double last = 0.0;
   for (std::size_t k = 0; k < p.s.size(); ++k) {
@@ -38,14 +40,14 @@ void mask_steps_back(Profile& p) {
     p.s[kept] = p.s[k];
     p.w[kept] = p.w[k];
     p.source[kept] = p.source[k];
-    p.distance[kept] = p.distance[k];
+    distance[kept] = distance[k];
     ++kept;
   }
   for (; run < p.ends.size(); ++run) p.ends[run] = static_cast<std::uint32_t>(kept);
   p.s.resize(kept);
   p.w.resize(kept);
   p.source.resize(kept);
-  p.distance.resize(kept);
+  p.resize_distances(kept);
   p.ends.erase(std::unique(p.ends.begin(), p.ends.end()), p.ends.end());
   if (!p.ends.empty() && p.ends.front() == 0) p.ends.erase(p.ends.begin());
 }
@@ -75,7 +77,7 @@ void make_profile(const RawLine& line, double resolution, const Frame& frame, Pr
                   out.s.data(), out.w.data(), n);
   std::iota(out.source.begin(), out.source.end(), 0U);
   if (n > 0) out.c = place_across(line, resolution, frame.normal);
-  out.distance.assign(line.distance.begin(), line.distance.end());
+  out.distance = line.distance;
   out.ends.assign(line.ends.begin(), line.ends.end());
   const std::size_t back = passes::count_back(out.s.data(), n);
   if (back == 0) return;

@@ -17,19 +17,31 @@ struct Profile {
   bool turned = false;               ///< was scanned towards negative s
   std::vector<double> s, w;          ///< mm
   std::vector<std::uint32_t> source; ///< index of each sample in its line
-  std::vector<double> distance;      ///< D in mm; infinite at the ends of runs
+  std::span<const double> distance;  ///< D in mm; infinite at the ends of runs: the line's own, or `ranked`
+  std::vector<double> ranked;        ///< where samples are not as the line has them
   std::vector<std::uint32_t> ends;   ///< one past the last sample of each run, ascending
   std::uint32_t masked = 0;          ///< samples left out because s stepped back
   std::uint32_t spikes = 0;          ///< samples whose height was replaced
 
   [[nodiscard]] std::size_t size() const noexcept { return s.size(); }
+  /// Distances of its own, to be changed, but not in number.
+  [[nodiscard]] std::vector<double>& own_distances() {
+    if (distance.data() != ranked.data()) ranked.assign(distance.begin(), distance.end());
+    distance = ranked;
+    return ranked;
+  }
+  void resize_distances(std::size_t size) {
+    own_distances().resize(size);
+    distance = ranked;
+  }
   void clear() noexcept {
     masked = spikes = 0;
     turned = false;
     s.clear();
     w.clear();
     source.clear();
-    distance.clear();
+    distance = {};
+    ranked.clear();
     ends.clear();
   }
 };

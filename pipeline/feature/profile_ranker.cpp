@@ -23,7 +23,7 @@ void ProfileRanker::rank(Profile& profile, std::size_t first, std::size_t last) 
     w_[k] = static_cast<std::int32_t>(std::lround(w));
   }
   ranker_.rank({s_, w_, zero_, {}}, distance_, depth_);
-  std::copy(distance_.begin(), distance_.end(), profile.distance.begin() + static_cast<std::ptrdiff_t>(first));
+  std::copy(distance_.begin(), distance_.end(), profile.own_distances().begin() + static_cast<std::ptrdiff_t>(first));
 }
 
 } // namespace scansion

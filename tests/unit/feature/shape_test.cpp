@@ -60,7 +60,8 @@ TEST(Shape, AngleClassesFollowInnerAngleAndOrientation) {
 TEST(Vertices, NeighboursAreTheNearestRankedHalfAsHigh) {
   const double far = std::numeric_limits<double>::infinity();
   Profile p;
-  p.distance = {far, 0.01, 1.0, 0.3, 0.6, 0.05, 2.0, 0.9, far, far, 0.4, far};
+  p.ranked = {far, 0.01, 1.0, 0.3, 0.6, 0.05, 2.0, 0.9, far, far, 0.4, far};
+  p.distance = p.ranked;
   p.s.resize(p.distance.size());
   p.ends = {9, 12};
   std::vector<std::uint32_t> stack;
