@@ -49,6 +49,12 @@ SCANSION_INLINE std::size_t apart_body(const T* a, const T* b, T limit, std::uin
   return found;
 }
 
+SCANSION_INLINE std::size_t first_apart_body(const double* a, const double* b, double limit, std::size_t from,
+                                             std::size_t n) noexcept {
+  while (from < n && !(std::abs(a[from] - b[from]) > limit)) ++from;
+  return from;
+}
+
 SCANSION_INLINE std::size_t reaching_body(const double* values, double limit, std::uint32_t* indexes, std::size_t from,
                                           std::size_t n) noexcept {
   std::size_t found = 0;
@@ -106,20 +112,36 @@ SCANSION_AVX2 inline std::size_t put(std::uint32_t bits, std::size_t from, std::
   return count;
 }
 
+// The bits of those of a block that are apart.
+template <typename Vector, std::size_t Block, typename T>
+SCANSION_AVX2 inline std::uint32_t apart_bits(const T* a, const T* b, Vector limit) noexcept {
+  constexpr std::size_t kLanes = sizeof(Vector) / sizeof(T);
+  std::uint32_t bits = 0;
+  for (std::size_t i = 0; i < Block; i += kLanes) {
+    const Vector step = load<Vector>(a + i) - load<Vector>(b + i);
+    bits |= bits_of(reinterpret_cast<Vector>((step > limit) | (step < -limit))) << i;
+  }
+  return bits;
+}
+
 template <typename Vector, typename T>
 SCANSION_AVX2 inline std::size_t apart_avx2(const T* a, const T* b, T limit, std::uint32_t* indexes, std::size_t n) noexcept {
-  constexpr std::size_t kLanes = sizeof(Vector) / sizeof(T);
-  const Vector high = Vector{} + limit, low = -high;
+  const Vector limits = Vector{} + limit;
   std::size_t found = 0, from = 0;
-  for (; from + kBlock <= n; from += kBlock) {
-    std::uint32_t bits = 0;
-    for (std::size_t i = 0; i < kBlock; i += kLanes) {
-      const Vector step = load<Vector>(a + from + i) - load<Vector>(b + from + i);
-      bits |= bits_of(reinterpret_cast<Vector>((step > high) | (step < low))) << i;
-    }
-    found += put(bits, from, indexes + found);
-  }
+  for (; from + kBlock <= n; from += kBlock)
+    found += put(apart_bits<Vector, kBlock>(a + from, b + from, limits), from, indexes + found);
   return found + apart_body(a, b, limit, indexes + found, from, n);
+}
+
+SCANSION_AVX2 std::size_t first_apart_avx2(const double* a, const double* b, double limit, std::size_t from,
+                                           std::size_t n) noexcept {
+  constexpr std::size_t kShort = 8; // many stretches are
+  const Four limits = Four{} + limit;
+  for (; from + kShort <= n; from += kShort) {
+    const std::uint32_t bits = apart_bits<Four, kShort>(a + from, b + from, limits);
+    if (bits != 0) return from + static_cast<std::size_t>(std::countr_zero(bits));
+  }
+  return first_apart_body(a, b, limit, from, n);
 }
 
 SCANSION_AVX2 std::size_t reaching_avx2(const double* values, double limit, std::uint32_t* indexes, std::size_t n) noexcept {
@@ -177,6 +199,7 @@ std::size_t apart_avx2(const T* a, const T* b, T limit, std::uint32_t* indexes, 
 std::size_t reaching_avx2(const double* values, double limit, std::uint32_t* indexes, std::size_t n) noexcept {
   return reaching_body(values, limit, indexes, 0, n);
 }
+constexpr auto first_apart_avx2 = first_apart_body;
 constexpr auto project_avx2 = project_body;
 constexpr auto sum_avx2 = sum_body;
 constexpr auto count_back_avx2 = count_back_body;
@@ -208,6 +231,10 @@ std::size_t apart(const float* a, const float* b, float limit, std::uint32_t* in
   return has_avx2() ? apart_avx2(a, b, limit, indexes, n) : portable::apart(a, b, limit, indexes, n);
 }
 
+std::size_t first_apart(const double* a, const double* b, double limit, std::size_t from, std::size_t n) noexcept {
+  return has_avx2() ? first_apart_avx2(a, b, limit, from, n) : first_apart_body(a, b, limit, from, n);
+}
+
 std::size_t reaching(const double* values, double limit, std::uint32_t* indexes, std::size_t n) noexcept {
   return has_avx2() ? reaching_avx2(values, limit, indexes, n) : portable::reaching(values, limit, indexes, n);
 }
@@ -225,6 +252,9 @@ std::size_t portable::apart(const double* a, const double* b, double limit, std:
 }
 std::size_t portable::apart(const float* a, const float* b, float limit, std::uint32_t* indexes, std::size_t n) noexcept {
   return apart_body(a, b, limit, indexes, 0, n);
+}
+std::size_t portable::first_apart(const double* a, const double* b, double limit, std::size_t from, std::size_t n) noexcept {
+  return first_apart_body(a, b, limit, from, n);
 }
 std::size_t portable::reaching(const double* values, double limit, std::uint32_t* indexes, std::size_t n) noexcept {
   return reaching_body(values, limit, indexes, 0, n);

@@ -27,7 +27,10 @@ void project(const std::array<const std::int32_t*, 3>& xyz, const Projection& pr
 [[nodiscard]] std::size_t apart(const double* a, const double* b, double limit, std::uint32_t* indexes, std::size_t n) noexcept;
 [[nodiscard]] std::size_t apart(const float* a, const float* b, float limit, std::uint32_t* indexes, std::size_t n) noexcept;
 
-/// The same for values[i] >= limit.
+/// The first i from `from` on with |a[i] - b[i]| > limit, or n.
+[[nodiscard]] std::size_t first_apart(const double* a, const double* b, double limit, std::size_t from, std::size_t n) noexcept;
+
+/// As apart(), for values[i] >= limit.
 [[nodiscard]] std::size_t reaching(const double* values, double limit, std::uint32_t* indexes, std::size_t n) noexcept;
 
 /// How values stand against an even grid with one of them to each of its steps, the first one at its beginning.
@@ -48,6 +51,7 @@ void lower(const double* from, double base, float* to, std::size_t n) noexcept;
 namespace portable {
 [[nodiscard]] std::size_t apart(const double* a, const double* b, double limit, std::uint32_t* indexes, std::size_t n) noexcept;
 [[nodiscard]] std::size_t apart(const float* a, const float* b, float limit, std::uint32_t* indexes, std::size_t n) noexcept;
+[[nodiscard]] std::size_t first_apart(const double* a, const double* b, double limit, std::size_t from, std::size_t n) noexcept;
 [[nodiscard]] std::size_t reaching(const double* values, double limit, std::uint32_t* indexes, std::size_t n) noexcept;
 } // namespace portable
 

@@ -3,6 +3,7 @@
 #include "pipeline/feature/steps.hpp"
 
 #include "pipeline/feature/flank.hpp"
+#include "pipeline/feature/passes.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -43,15 +44,14 @@ double wall_slope(const Heights& h, std::uint32_t first, std::uint32_t last) noe
   return uv / uu;
 }
 
-// The first interval of samples [k, last] that is large enough to start a wall; `last`: none is. Whole words for counters: the
-// compiler must know that they do not wrap.
-std::uint32_t first_large(const double* s, const double* w, std::size_t k, std::size_t last, const WallTest& test) noexcept {
-  const double weak = test.weak;
+// The first interval of samples [k, last] that is large enough to start a wall; `last`: none is. On a slope one follows the
+// other; what lies between slopes is looked at many at a time.
+std::size_t first_large(const double* s, const double* w, std::size_t k, std::size_t last, const WallTest& test) noexcept {
   for (; k < last; ++k) {
-    const double size = std::abs(w[k + 1] - w[k]);
-    if (size > weak && test.may_seed(s[k + 1] - s[k], size)) break;
+    if (std::abs(w[k + 1] - w[k]) <= test.weak) k = passes::first_apart(w + 1, w, test.weak, k + 1, last);
+    if (k < last && test.may_seed(s[k + 1] - s[k], w[k + 1] - w[k])) break;
   }
-  return static_cast<std::uint32_t>(k);
+  return std::min(k, last);
 }
 
 // Whether a short wall of the run [begin, end) is but a piece of a slope.
@@ -86,8 +86,8 @@ void find_walls(const Heights& h, std::uint32_t begin, std::uint32_t end, const 
   const auto dw = [&](std::uint32_t k) { return w[k + 1] - w[k]; };
   constexpr double kNone = std::numeric_limits<double>::infinity(); // the ends of a run start no wall by themselves
   const std::uint32_t last = end - 1;
-  for (std::uint32_t k = begin; (k = first_large(s, w, k, last, test)) < last;) {
-    if (!test.seeds(ds(k), dw(k), k > begin ? dw(k - 1) : kNone, k + 1 < last ? dw(k + 1) : kNone)) {
+  for (std::uint32_t k = begin; (k = static_cast<std::uint32_t>(first_large(s, w, k, last, test))) < last;) {
+    if (!test.stands_out(ds(k), dw(k), k > begin ? dw(k - 1) : kNone, k + 1 < last ? dw(k + 1) : kNone)) {
       ++k;
       continue;
     }

@@ -35,7 +35,10 @@ struct WallTest {
   [[nodiscard]] bool may_seed(double ds, double dw) const noexcept { return std::abs(dw) > weak && std::abs(dw) > 0.5 * ds; }
   /// Whether it starts one by itself; `before`, `after`: height differences of its neighbours, not a number: none.
   [[nodiscard]] bool seeds(double ds, double dw, double before, double after) const noexcept {
-    if (!may_seed(ds, dw)) return false;
+    return may_seed(ds, dw) && stands_out(ds, dw, before, after);
+  }
+  /// The same for one that is large enough.
+  [[nodiscard]] bool stands_out(double ds, double dw, double before, double after) const noexcept {
     const double size = std::abs(dw);
     if (size > steep_rise(ds)) return true;
     return !(std::abs(before) >= 0.35 * size) && !(std::abs(after) >= 0.35 * size);

@@ -68,8 +68,8 @@ TEST(ColumnSamples, samplesOnColumnsButForRounding) {
 }
 
 TEST(ColumnSamples, unevenSamples) {
-  const Profile profile =
-      profile_of([](std::uint32_t k) { return kPitch * k + 0.08 * std::sin(0.7 * k); }, [](double s) { return 0.5 * std::sin(s); });
+  const Profile profile = profile_of([](std::uint32_t k) { return kPitch * k + 0.08 * std::sin(0.7 * k); },
+                                     [](double s) { return 0.5 * std::sin(s); });
   expect_between_neighbours(profile, sample(profile), 1, kSamples - 3);
 }
 
