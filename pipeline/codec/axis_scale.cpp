@@ -68,8 +68,12 @@ std::uint32_t shared_step(std::span<const std::int32_t> values) noexcept {
   std::uint32_t step = 0;
   const std::size_t stride = std::max<std::size_t>(1, values.size() / kFew);
   for (std::size_t i = 0; i < values.size() && step != 1; i += stride) step = std::gcd(step, off(i));
-  for (std::size_t i = 0; i < values.size() && step != 1; ++i)
-    if (step == 0 || off(i) % step != 0) step = std::gcd(step, off(i));
+  constexpr std::size_t kBlock = 512;
+  for (std::size_t from = 0; from < values.size() && step != 1; from += kBlock) {
+    const std::size_t count = std::min(kBlock, values.size() - from);
+    const bool fits = step != 0 && off(from) % step == 0 && kernels::share_step(values.data() + from, step, count);
+    for (std::size_t i = from; i < from + count && !fits; ++i) step = std::gcd(step, off(i));
+  }
   return step;
 }
 

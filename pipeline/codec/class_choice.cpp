@@ -1,5 +1,6 @@
 // Which classes the counts of a table are sent as: those for which table and tokens together are cheapest.
 // SPDX-License-Identifier: Apache-2.0
+#include "pipeline/codec/avx2.hpp"
 #include "pipeline/codec/frequencies.hpp"
 
 #include <algorithm>
@@ -76,8 +77,7 @@ __attribute__((target("avx2"))) void step_avx2(const Step& from, Step& to) noexc
   step_body(from, to);
 }
 void step(const Step& from, Step& to) noexcept {
-  static const bool has_avx2 = __builtin_cpu_supports("avx2") != 0;
-  has_avx2 ? step_avx2(from, to) : step_body(from, to);
+  has_avx2() ? step_avx2(from, to) : step_body(from, to);
 }
 #else
 void step(const Step& from, Step& to) noexcept {

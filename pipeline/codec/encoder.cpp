@@ -257,7 +257,8 @@ void GroupEncoder::Impl::write_rest_axis(const LineGroup& group, std::size_t axi
   constexpr std::size_t kSample = 2048;
   const auto& u = state.u[axis];
   RestAxis& at = rest_axes[axis];
-  const std::size_t stride = std::max<std::size_t>(6, u.size() / kSample);
+  constexpr std::size_t kLeastStride = 16; // of a small group fewer are enough
+  const std::size_t stride = std::max(kLeastStride, u.size() / kSample);
   PointIndex sample = 0;
   at.fill(group.runs, state.known, u);
   fit.clear();

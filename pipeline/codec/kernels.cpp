@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/codec/kernels.hpp"
 
+#include "pipeline/codec/avx2.hpp"
 #include "pipeline/codec/tokens.hpp"
 
 #include <algorithm>
@@ -21,20 +22,26 @@ SCANSION_INLINE std::int64_t times(std::int16_t a, std::int32_t b) noexcept {
   return std::int64_t{a} * b;
 }
 
-SCANSION_INLINE void weigh_above_body(const std::int16_t* __restrict w, const Above& above,
-                                      const std::int32_t* __restrict chord, std::int64_t* __restrict sum,
-                                      std::int32_t* __restrict size, std::size_t n) noexcept {
+SCANSION_INLINE void weigh_beside_body(const std::int16_t* __restrict w, const Above& above, std::int64_t* __restrict sum,
+                                       std::int32_t* __restrict size, std::size_t n) noexcept {
   const std::int32_t* __restrict d = above.deviation;
   const std::int32_t* __restrict v = above.value;
   const std::int32_t* __restrict s = above.size;
   for (std::size_t i = 0; i < n; ++i) {
     const std::int32_t* di = d + i;
     const std::int32_t* vi = v + i;
-    const std::int32_t* ci = chord + i;
-    sum[i] = times(w[0], di[-1]) + times(w[1], di[0]) + times(w[2], di[1]) + times(w[3], minus(vi[-1], ci[-1])) +
-             times(w[4], minus(vi[0], ci[0])) + times(w[5], minus(vi[1], ci[1]));
+    sum[i] = times(w[0], di[-1]) + times(w[1], di[0]) + times(w[2], di[1]) + times(w[3], vi[-1]) + times(w[4], vi[0]) +
+             times(w[5], vi[1]);
     const std::int32_t* si = s + i;
     size[i] = si[-1] + 2 * si[0] + si[1];
+  }
+}
+
+SCANSION_INLINE void weigh_chord_body(const std::int16_t* __restrict w, const std::int32_t* __restrict chord,
+                                      std::int64_t* __restrict sum, std::size_t n) noexcept {
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::int32_t* c = chord + i;
+    sum[i] -= times(w[0], c[-1]) + times(w[1], c[0]) + times(w[2], c[1]);
   }
 }
 
@@ -252,9 +259,13 @@ __attribute__((target("avx2"))) void left_over_avx2(const std::int32_t* rows, co
                                                     std::size_t n) noexcept {
   left_over_body(rows, weights, left, n);
 }
-__attribute__((target("avx2"))) void weigh_above_avx2(const std::int16_t* w, const Above& above, const std::int32_t* chord,
-                                                      std::int64_t* sum, std::int32_t* size, std::size_t n) noexcept {
-  weigh_above_body(w, above, chord, sum, size, n);
+__attribute__((target("avx2"))) void weigh_beside_avx2(const std::int16_t* w, const Above& above, std::int64_t* sum,
+                                                       std::int32_t* size, std::size_t n) noexcept {
+  weigh_beside_body(w, above, sum, size, n);
+}
+__attribute__((target("avx2"))) void weigh_chord_avx2(const std::int16_t* w, const std::int32_t* chord, std::int64_t* sum,
+                                                      std::size_t n) noexcept {
+  weigh_chord_body(w, chord, sum, n);
 }
 __attribute__((target("avx2"))) void residuals_avx2(const std::int16_t* w, const Left& left, const std::int64_t* sum,
                                                     std::int32_t* residual, std::size_t n) noexcept {
@@ -264,14 +275,7 @@ __attribute__((target("avx2"))) void contexts_avx2(const std::int32_t* size, con
                                                    std::size_t n) noexcept {
   contexts_body(size, above, context, n);
 }
-bool has_avx2() noexcept {
-  static const bool has = __builtin_cpu_supports("avx2") != 0;
-  return has;
-}
 #else
-bool has_avx2() noexcept {
-  return false;
-}
 constexpr auto above_avx2 = above_body;
 constexpr auto count_above_avx2 = count_above_body;
 constexpr auto from_steps_avx2 = from_steps_body;
@@ -281,16 +285,20 @@ constexpr auto tokens_avx2 = tokens_body;
 constexpr auto bounds_avx2 = bounds_body;
 constexpr auto add_products_avx2 = add_products_body;
 constexpr auto left_over_avx2 = left_over_body;
-constexpr auto weigh_above_avx2 = weigh_above_body;
+constexpr auto weigh_beside_avx2 = weigh_beside_body;
+constexpr auto weigh_chord_avx2 = weigh_chord_body;
 constexpr auto residuals_avx2 = residuals_body;
 constexpr auto contexts_avx2 = contexts_body;
 #endif
 
 } // namespace
 
-void portable::weigh_above(const std::int16_t* weights, const Above& above, const std::int32_t* chord, std::int64_t* sum,
-                           std::int32_t* size, std::size_t n) noexcept {
-  weigh_above_body(weights, above, chord, sum, size, n);
+void portable::weigh_beside(const std::int16_t* weights, const Above& above, std::int64_t* sum, std::int32_t* size,
+                            std::size_t n) noexcept {
+  weigh_beside_body(weights, above, sum, size, n);
+}
+void portable::weigh_chord(const std::int16_t* weights, const std::int32_t* chord, std::int64_t* sum, std::size_t n) noexcept {
+  weigh_chord_body(weights, chord, sum, n);
 }
 void portable::residuals(const std::int16_t* weights, const Left& left, const std::int64_t* sum, std::int32_t* residual,
                          std::size_t n) noexcept {
@@ -358,12 +366,13 @@ void bounds(const std::int32_t* values, std::size_t n, std::int32_t& low, std::i
     bounds_body(values, n, low, high);
 }
 
-void weigh_above(const std::int16_t* weights, const Above& above, const std::int32_t* chord, std::int64_t* sum,
-                 std::int32_t* size, std::size_t n) noexcept {
-  if (has_avx2())
-    weigh_above_avx2(weights, above, chord, sum, size, n);
-  else
-    portable::weigh_above(weights, above, chord, sum, size, n);
+void weigh_beside(const std::int16_t* weights, const Above& above, std::int64_t* sum, std::int32_t* size,
+                  std::size_t n) noexcept {
+  has_avx2() ? weigh_beside_avx2(weights, above, sum, size, n) : portable::weigh_beside(weights, above, sum, size, n);
+}
+
+void weigh_chord(const std::int16_t* weights, const std::int32_t* chord, std::int64_t* sum, std::size_t n) noexcept {
+  has_avx2() ? weigh_chord_avx2(weights, chord, sum, n) : portable::weigh_chord(weights, chord, sum, n);
 }
 
 void residuals(const std::int16_t* weights, const Left& left, const std::int64_t* sum, std::int32_t* residual,

@@ -26,20 +26,27 @@ void cap(std::uint8_t* values, std::uint8_t most, std::size_t n) noexcept;
 /// to[i] = first + step * i, modulo 2^32.
 void ramp(std::uint32_t first, std::uint32_t step, std::int32_t* to, std::size_t n) noexcept;
 
+/// How many of the first n points are nearer to above[i + 1] than to its neighbours on either side, or as near as to above[i]:
+/// those of a line along another one with like steps. Reads `above` up to n + 1.
+[[nodiscard]] std::size_t in_step(const std::int32_t* here, const std::int32_t* above, std::size_t n) noexcept;
+/// Whether all values differ from the first one by multiples of `step`.
+[[nodiscard]] bool share_step(const std::int32_t* values, std::uint32_t step, std::size_t n) noexcept;
+
 /// to[i] = from + (step * (i + 1) >> 16), modulo 2^32.
 void slope(std::int32_t from, std::int64_t step, std::int32_t* to, std::size_t n) noexcept;
 
-/// Points of one line whose neighbours lie side by side in the line before; each pointer is at the first point or its
-/// neighbour.
+/// Points of one line that lie side by side; each pointer is at the first of them.
 struct Above {
   const std::int32_t* deviation;
   const std::int32_t* value;
   const std::int32_t* size;
 };
-/// sum[i] = weights (three for deviations beside, three for values beside against the chord here) times what they weigh;
-/// size[i] = 1, 2, 1 times the sizes beside. Reads one point over either end of `above` and of `chord`.
-void weigh_above(const std::int16_t* weights, const Above& above, const std::int32_t* chord, std::int64_t* sum,
-                 std::int32_t* size, std::size_t n) noexcept;
+/// sum[i] = the weights (three for deviations, three for values) times what stands at i - 1, i and i + 1;
+/// size[i] = 1, 2, 1 times the sizes there. Reads one point over either end of `above`.
+void weigh_beside(const std::int16_t* weights, const Above& above, std::int64_t* sum, std::int32_t* size,
+                  std::size_t n) noexcept;
+/// Takes away from sum[i] the three weights times the chord at i - 1, i and i + 1, which is read one point over either end.
+void weigh_chord(const std::int16_t* weights, const std::int32_t* chord, std::int64_t* sum, std::size_t n) noexcept;
 
 /// What the points to the left of each point say; each pointer is at the first point.
 struct Left {
@@ -71,8 +78,9 @@ void contexts(const std::int32_t* size, const std::int32_t* above, std::uint8_t*
 
 /// The baseline versions, for tests.
 namespace portable {
-void weigh_above(const std::int16_t* weights, const Above& above, const std::int32_t* chord, std::int64_t* sum,
-                 std::int32_t* size, std::size_t n) noexcept;
+void weigh_beside(const std::int16_t* weights, const Above& above, std::int64_t* sum, std::int32_t* size,
+                  std::size_t n) noexcept;
+void weigh_chord(const std::int16_t* weights, const std::int32_t* chord, std::int64_t* sum, std::size_t n) noexcept;
 void residuals(const std::int16_t* weights, const Left& left, const std::int64_t* sum, std::int32_t* residual,
                std::size_t n) noexcept;
 void contexts(const std::int32_t* size, const std::int32_t* above, std::uint8_t* context, std::size_t n) noexcept;

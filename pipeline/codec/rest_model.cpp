@@ -20,16 +20,23 @@ void fill_chord(std::span<const PointIndex> vertices, std::span<const std::int32
 namespace {
 
 // The neighbours of a line by walking: forward as long as the next is not farther, then back a little. Lines that run back and
-// forth cannot make it walk far more often than they have points.
+// forth cannot make it walk far more often than they have points. Mostly the walk keeps step with the points.
 void walk(const RestLine& line, std::span<const std::int32_t> main, std::span<PointIndex> beside) noexcept {
   constexpr int kMaxBack = 8;
   PointIndex j = line.above_first;
-  for (PointIndex i = line.first; i < line.end; ++i) {
+  const PointIndex last = line.above_end - 1;
+  for (PointIndex i = line.first; i < line.end;) {
     const std::int64_t here = main[i];
     const auto away = [&](PointIndex p) { return std::abs(here - main[p]); };
-    while (j + 1 < line.above_end && away(j + 1) <= away(j)) ++j;
-    for (int back = 0; back < kMaxBack && j > line.above_first && away(j - 1) < away(j); ++back) --j;
-    beside[i] = j;
+    std::int64_t now = away(j);
+    for (std::int64_t next = 0; j < last && (next = away(j + 1)) <= now; ++j) now = next;
+    std::int64_t next = 0;
+    for (int back = 0; back < kMaxBack && j > line.above_first && (next = away(j - 1)) < now; ++back, --j) now = next;
+    const PointIndex most = std::min(line.end - i - 1, std::max(last - j, PointIndex{1}) - 1);
+    const auto more = static_cast<PointIndex>(kernels::in_step(main.data() + i + 1, main.data() + j, most));
+    for (PointIndex k = 0; k <= more; ++k) beside[i + k] = j + k;
+    i += more + 1;
+    j += more;
   }
 }
 
@@ -106,77 +113,82 @@ void Neighbours::find(const LineGroup& group, const GroupState& state, const Axi
   }
 }
 
-namespace {
-
 static_assert(kBeside == kAcross);
 
-struct AboveTaps {
+/// The points of the line before, and what is known of each point of the group up to its end.
+struct RestAxis::LineAbove {
+  PointIndex first, end;
   const std::int32_t* deviation;
   const std::int32_t* value;
   const std::int32_t* size;
 };
 
-template <class Tap>
-void weigh(const Weights& w, PointIndex from, PointIndex to, const std::int32_t* chord, const AboveTaps& above,
-           std::int64_t* sum, std::int32_t* size, Tap&& tap) noexcept {
-  const auto wide = [](std::int32_t weight, std::int32_t v) { return std::int64_t{weight} * v; };
-  const auto minus = [](std::int32_t a, std::int32_t b) {
-    return static_cast<std::int32_t>(static_cast<std::uint32_t>(a) - static_cast<std::uint32_t>(b));
-  };
-  for (PointIndex i = from; i < to; ++i) {
-    const std::array<std::ptrdiff_t, kBeside> at = tap(i);
-    std::int64_t s = 0;
-    for (std::size_t k = 0; k < kBeside; ++k) {
-      s += wide(w[kLineWeights + k], above.deviation[at[k]]);
-      s += wide(w[kLineWeights + kBeside + k], minus(above.value[at[k]], chord[static_cast<std::ptrdiff_t>(i + k) - 1]));
-    }
-    sum[i] = s;
-    size[i] = above.size[at[0]] + 2 * above.size[at[1]] + above.size[at[2]];
+// What point j and those on either side add for themselves, held at the ends; and their sizes.
+void RestAxis::weigh_beside(const std::int16_t* w, const LineAbove& above, std::int64_t j, std::int64_t& sum,
+                            std::int32_t& size) noexcept {
+  sum = 0;
+  size = 0;
+  for (std::size_t k = 0; k < kBeside; ++k) {
+    const std::int64_t at = std::clamp<std::int64_t>(j + static_cast<std::int64_t>(k) - 1, above.first, above.end - 1);
+    sum += std::int64_t{w[k]} * above.deviation[at] + std::int64_t{w[k + kBeside]} * above.value[at];
+    size += (k == 1 ? 2 : 1) * above.size[at];
   }
 }
 
-} // namespace
-
+// Neighbours that lie side by side are weighed as they are asked for; others one by one, each for whoever asks for it.
 void RestAxis::weigh_above(const RestLine& line, const Neighbours& neighbours, std::span<const std::int32_t> u,
                            const Weights& weights) {
   const std::size_t n = line.end - line.first;
+  if (above_sum.size() < n) {
+    above_sum.resize(n);
+    above_size.resize(n);
+  }
   if (!line.has_above || n < 3) {
-    above_sum.assign(n, 0);
-    above_size.assign(n, 0);
+    std::fill_n(above_sum.begin(), n, 0);
+    std::fill_n(above_size.begin(), n, 0);
     return;
   }
-  above_sum.resize(n);
-  above_size.resize(n);
-  above_sum.front() = above_sum.back() = 0;
-  above_size.front() = above_size.back() = 0;
-  const AboveTaps above{deviation.data(), u.data(), size.data()};
+  const LineAbove above{line.above_first, line.above_end, deviation.data(), u.data(), size.data()};
+  const std::int16_t* const w = weights.data() + kLineWeights;
   // Ends of lines are vertices, so the chord has a point on either side of every point that is asked for.
-  std::int64_t* sum = above_sum.data() - line.first;
-  std::int32_t* sizes = above_size.data() - line.first;
-  const auto held = [&](std::int64_t j) {
-    std::array<std::ptrdiff_t, kBeside> at;
-    for (std::int64_t k = -1; k <= 1; ++k)
-      at[static_cast<std::size_t>(k + 1)] =
-          static_cast<std::ptrdiff_t>(std::clamp<std::int64_t>(j + k, line.above_first, line.above_end - 1));
-    return at;
-  };
   const PointIndex from = line.first + 1;
   const PointIndex to = line.end - 1;
-  if (!line.straight) {
-    weigh(weights, from, to, chord.data(), above, sum, sizes, [&](PointIndex i) { return held(neighbours.beside[i]); });
-    return;
+  const auto taps_at = [&](std::int64_t j) { return kernels::Above{above.deviation + j, above.value + j, above.size + j}; };
+  if (line.straight) {
+    const auto inside = [&](std::int64_t i) { return static_cast<PointIndex>(std::clamp<std::int64_t>(i, from, to)); };
+    const PointIndex left = inside(std::int64_t{above.first} + 1 - line.shift);
+    const PointIndex right = std::max(left, inside(std::int64_t{above.end} - 1 - line.shift));
+    const auto at_end = [&](PointIndex i) {
+      weigh_beside(w, above, neighbours.of(line, i), above_sum[i - line.first], above_size[i - line.first]);
+    };
+    for (PointIndex i = from; i < left; ++i) at_end(i);
+    for (PointIndex i = right; i < to; ++i) at_end(i);
+    const std::size_t begin = left - line.first;
+    kernels::weigh_beside(w, taps_at(left + line.shift), above_sum.data() + begin, above_size.data() + begin, right - left);
+  } else {
+    weigh_all_beside(w, above);
+    const PointIndex* const beside = neighbours.beside.data() + line.first;
+    for (std::size_t i = 1; i + 1 < n; ++i) {
+      const std::size_t j = beside[i] - above.first;
+      above_sum[i] = beside_sum[j];
+      above_size[i] = beside_size[j];
+    }
   }
-  const auto inside = [&](std::int64_t i) { return static_cast<PointIndex>(std::clamp<std::int64_t>(i, from, to)); };
-  const PointIndex left = inside(std::int64_t{line.above_first} + 1 - line.shift);
-  const PointIndex right = std::max(left, inside(std::int64_t{line.above_end} - 1 - line.shift));
-  const auto at_ends = [&](PointIndex i) { return held(neighbours.of(line, i)); };
-  weigh(weights, from, left, chord.data(), above, sum, sizes, at_ends);
-  if (left < right) {
-    const std::ptrdiff_t j = static_cast<std::ptrdiff_t>(left) + line.shift;
-    kernels::weigh_above(weights.data() + kLineWeights, {above.deviation + j, above.value + j, above.size + j},
-                         chord.data() + left, sum + left, sizes + left, right - left);
+  kernels::weigh_chord(w + kBeside, chord.data() + from, above_sum.data() + 1, to - from);
+}
+
+void RestAxis::weigh_all_beside(const std::int16_t* weights, const LineAbove& above) {
+  const std::size_t n = above.end - above.first;
+  if (beside_sum.size() < n) {
+    beside_sum.resize(n);
+    beside_size.resize(n);
   }
-  weigh(weights, right, to, chord.data(), above, sum, sizes, at_ends);
+  if (n > 2) {
+    const kernels::Above taps{above.deviation + above.first + 1, above.value + above.first + 1, above.size + above.first + 1};
+    kernels::weigh_beside(weights, taps, beside_sum.data() + 1, beside_size.data() + 1, n - 2);
+  }
+  weigh_beside(weights, above, above.first, beside_sum.front(), beside_size.front());
+  weigh_beside(weights, above, above.end - 1, beside_sum[n - 1], beside_size[n - 1]);
 }
 
 std::array<std::int32_t, kWeights> deviations_of(const RestAxis& axis, std::span<const std::int32_t> u,

@@ -128,6 +128,8 @@ struct RestAxis {
   std::array<std::vector<std::int32_t>, kMeans> means; ///< RunningMeans as each point finds them; the encoder's
   std::vector<std::int64_t> above_sum;                 ///< of the line at hand, by place in it
   std::vector<std::int32_t> above_size;
+  std::vector<std::int64_t> beside_sum; ///< what each point of the line before adds for itself, scratch
+  std::vector<std::int32_t> beside_size;
   std::vector<Chord> run_chords; ///< of the run at hand; the decoder's
 
   void resize(std::size_t points) {
@@ -139,6 +141,12 @@ struct RestAxis {
   void fill(std::span<const Run> runs, std::span<const PointIndex> vertices, std::span<const std::int32_t> u);
   /// What the line before adds to the weighted sum of each point, and the sizes of residuals there.
   void weigh_above(const RestLine& line, const Neighbours& neighbours, std::span<const std::int32_t> u, const Weights& weights);
+
+private:
+  struct LineAbove;
+  static void weigh_beside(const std::int16_t* weights, const LineAbove& above, std::int64_t j, std::int64_t& sum,
+                           std::int32_t& size) noexcept;
+  void weigh_all_beside(const std::int16_t* weights, const LineAbove& above);
 };
 
 /// The deviations of one point in the order of their weights.

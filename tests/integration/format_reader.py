@@ -579,7 +579,7 @@ class Group:
                 activity *= 2
             else:
                 k = [held(j + n, first, end - 1) for n in range(-1, 2)]
-                near += [wrap(u[n] - curve[n]) for n in k] + [wrap(u[k[n + 1]] - curve[i + n]) for n in (-1, 0, 1)]
+                near += [wrap(u[n] - curve[n]) for n in k] + [u[k[n + 1]] - curve[i + n] for n in (-1, 0, 1)]
                 activity += size[k[0]] + 2 * size[k[1]] + size[k[2]]
             octave = (activity + 1).bit_length() - 1
             residual = coded.next(2 * octave + (2 * (activity + 1) >> octave) % 2)

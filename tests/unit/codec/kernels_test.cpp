@@ -36,8 +36,11 @@ TEST(Kernels, VectorUnitsChangeNothing) {
     std::vector<std::int64_t> sum(n), sum2(n);
     std::vector<std::int32_t> beside(n), beside2(n), residual(n), residual2(n), sizes(n);
     std::vector<std::uint8_t> context(n), context2(n);
-    kernels::weigh_above(weights.data(), above, chord.data() + 8, sum.data(), beside.data(), n);
-    kernels::portable::weigh_above(weights.data(), above, chord.data() + 8, sum2.data(), beside2.data(), n);
+    kernels::weigh_beside(weights.data(), above, sum.data(), beside.data(), n);
+    kernels::portable::weigh_beside(weights.data(), above, sum2.data(), beside2.data(), n);
+    EXPECT_EQ(sum, sum2);
+    kernels::weigh_chord(weights.data(), chord.data() + 8, sum.data(), n);
+    kernels::portable::weigh_chord(weights.data(), chord.data() + 8, sum2.data(), n);
     EXPECT_EQ(sum, sum2);
     EXPECT_EQ(beside, beside2);
     const kernels::Left left{deviation.data() + 8, fast.data(), slow.data()};
@@ -58,6 +61,45 @@ TEST(Kernels, VectorUnitsChangeNothing) {
         ASSERT_EQ(context[i], rest_context(rest_doubt(size[i + 6], size[i + 5], beside[i], has_above)));
         ASSERT_LT(context[i], 48);
       }
+    }
+  }
+}
+
+// Lines that follow another one for a while, and any numbers.
+TEST(Kernels, PointsInStepAreThoseThatWalkingFinds) {
+  std::mt19937_64 random(5);
+  const auto far = [](std::int32_t a, std::int32_t b) { return std::abs(std::int64_t{a} - b); };
+  for (std::size_t n = 0; n < 200; ++n) {
+    auto above = noise<std::int32_t>(random, n + 2);
+    auto here = noise<std::int32_t>(random, n);
+    for (std::size_t i = 0; i < n && n % 3 != 0; ++i) {
+      above[i] = static_cast<std::int32_t>(10 * i + random() % 3);
+      here[i] = static_cast<std::int32_t>(10 * (i + 1) + random() % (i + 30 > n ? 9 : 5));
+    }
+    std::size_t expected = 0;
+    for (; expected < n; ++expected) {
+      const std::int32_t* at = above.data() + expected;
+      const auto beside = far(here[expected], at[1]);
+      if (beside > far(here[expected], at[0]) || beside >= far(here[expected], at[2])) break;
+    }
+    EXPECT_EQ(kernels::in_step(here.data(), above.data(), n), expected);
+  }
+}
+
+TEST(Kernels, AStepIsSharedWhenAllDifferencesAreMultiplesOfIt) {
+  std::mt19937_64 random(6);
+  for (const std::uint32_t step : {1U, 2U, 3U, 5U, 8U, 12U, 1000U, 65536U, 1000003U, 0x80000000U}) {
+    for (std::size_t n = 1; n < 40; ++n) {
+      const auto most = static_cast<std::int64_t>(0xFFFF'FFFFU / step);
+      std::vector<std::int32_t> values(n);
+      for (auto& v : values)
+        v = static_cast<std::int32_t>(std::numeric_limits<std::int32_t>::min() +
+                                      static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(most + 1)) * step);
+      EXPECT_TRUE(kernels::share_step(values.data(), step, n));
+      if (step == 1 || n < 2) continue;
+      std::int32_t& odd = values[1 + random() % (n - 1)];
+      odd = odd == std::numeric_limits<std::int32_t>::max() ? odd - 1 : odd + 1;
+      EXPECT_FALSE(kernels::share_step(values.data(), step, n));
     }
   }
 }
