@@ -82,7 +82,7 @@ AxisScale scale_of(std::span<const std::int32_t> values, bool may_split) noexcep
   std::int32_t low = values.front();
   std::int32_t high = low;
   kernels::bounds(values.data(), values.size(), low, high);
-  if (low == high) return {low, 1, false, false};
+  if (low == high) return {low, 1, false, false, false};
   std::int64_t step = shared_step(values);
   const std::int64_t range = std::int64_t{high} - low;
   std::int64_t residue = values.front();
@@ -98,8 +98,8 @@ AxisScale scale_of(std::span<const std::int32_t> values, bool may_split) noexcep
   const std::int64_t middle = low + (range + 1) / 2;
   const std::int64_t base = middle + modulo(residue - middle, step);
   if (base > std::numeric_limits<std::int32_t>::max())
-    return {static_cast<std::int32_t>(base - step), static_cast<std::uint32_t>(step), split, false};
-  return {static_cast<std::int32_t>(base), static_cast<std::uint32_t>(step), split, false};
+    return {static_cast<std::int32_t>(base - step), static_cast<std::uint32_t>(step), split, false, false};
+  return {static_cast<std::int32_t>(base), static_cast<std::uint32_t>(step), split, false, false};
 }
 
 // Steps of a run that is even, or nothing.

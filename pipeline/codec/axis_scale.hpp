@@ -14,6 +14,7 @@ struct AxisScale {
   std::uint32_t step = 1;
   bool split = false; ///< some remainder is not 0, so all are stored; |remainder| <= step / 2
   bool even = false;  ///< in every run, u goes from the first to the last point in equal steps
+  bool ruled = false; ///< and even, which then says no more than that u is known from the coarsest level on
 
   [[nodiscard]] std::int64_t steps(std::int32_t v) const noexcept {
     const std::int64_t off = std::int64_t{v} - base + step / 2;

@@ -6,6 +6,7 @@
 #include "pipeline/codec/planes.hpp"
 #include "pipeline/codec/positions.hpp"
 #include "pipeline/codec/rest_coder.hpp"
+#include "pipeline/codec/ruling.hpp"
 
 #include <algorithm>
 
@@ -19,6 +20,7 @@ struct GroupDecoder::Impl {
   AxisScales& scales = facts.scales;
   PayloadHeader lines;
   Bytes table;
+  Ruling ruling;
   Neighbours neighbours;
   std::array<RestAxis, 3> rest_axes;
   std::size_t along = 0; ///< the axis along which lines run
@@ -41,9 +43,15 @@ Result<void> GroupDecoder::Impl::read_even_ends(ByteReader& from, const LineGrou
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (!scales[axis].even) continue;
     EvenStart start;
-    for (std::int32_t* const value : {&start.first, &start.advance, &start.step}) *value = wrap(from.signed_varint());
-    SCANSION_TRY(symbols.begin(from));
     auto& u = state.u[axis];
+    for (std::int32_t* const value : {&start.first, &start.advance}) *value = wrap(from.signed_varint());
+    if (!scales[axis].ruled) start.step = wrap(from.signed_varint());
+    SCANSION_TRY(symbols.begin(from));
+    if (scales[axis].ruled) {
+      SCANSION_TRY(ruling.read(group.runs, start.first, start.advance, symbols, u));
+      if (!symbols.finish()) return fail(Errc::damaged, "a ruled axis is damaged");
+      continue;
+    }
     visit_even_ends(group.runs, u, start, [&](PointIndex i, std::int32_t guess, std::uint32_t context) {
       u[i] = wrap(std::int64_t{guess} + symbols.next(context));
     });

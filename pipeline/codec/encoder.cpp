@@ -7,6 +7,7 @@
 #include "pipeline/codec/planes.hpp"
 #include "pipeline/codec/positions.hpp"
 #include "pipeline/codec/rest_coder.hpp"
+#include "pipeline/codec/ruling.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -55,6 +56,7 @@ struct GroupEncoder::Impl {
   GroupFacts facts;
   AxisScales& scales = facts.scales;
   FanFinder fans;
+  std::array<Ruling, 3> rulings;
   Bytes table;
   Bytes body; ///< of the payload at hand
   std::array<std::vector<PointIndex>, kMaxLevels> level_points;
@@ -77,6 +79,7 @@ struct GroupEncoder::Impl {
 
   void sort_levels(const LineGroup& group, const GroupRanks& ranks, const AlphaSet& alpha);
   void load(const LineGroup& group);
+  void find_ruling(const LineGroup& group, std::size_t axis);
   void find_fan(const LineGroup& group);
   [[nodiscard]] std::int64_t remainder(const LineGroup& group, std::size_t axis, PointIndex i) const noexcept;
   void write_even_ends(const LineGroup& group, Bytes& to);
@@ -115,13 +118,19 @@ void GroupEncoder::Impl::load(const LineGroup& group) {
   state.reset(group.points());
   for (std::size_t axis = 0; axis < 3; ++axis) {
     scales[axis] = find_scale(group.xyz[axis], group.runs, ends);
-    if (scales[axis].even)
+    if (scales[axis].even) {
       ends_to_steps(group.xyz[axis], scales[axis], group.runs, state.u[axis]);
-    else
-      to_steps(group.xyz[axis], scales[axis], state.u[axis]);
+      continue;
+    }
+    to_steps(group.xyz[axis], scales[axis], state.u[axis]);
+    if (!scales[axis].split) find_ruling(group, axis);
   }
   facts.exact = !group.ulp[0].empty();
   find_fan(group);
+}
+
+void GroupEncoder::Impl::find_ruling(const LineGroup& group, std::size_t axis) {
+  scales[axis].ruled = scales[axis].even = rulings[axis].find(group.runs, state.u[axis]);
 }
 
 // A fan lies in a plane: two axes turn, the third is even and goes on slowly.
@@ -144,7 +153,7 @@ void GroupEncoder::Impl::find_fan(const LineGroup& group) {
     least = std::int64_t{high} - low;
     even = axis;
   }
-  if (even == 3) return;
+  if (std::ranges::count_if(scales, &AxisScale::even) != 1) return;
   fan.range_axis = even == 0 ? 1 : 0;
   fan.direction_axis = even == 2 ? 1 : 2;
   fans.find(group.xyz[fan.range_axis], group.xyz[fan.direction_axis], fan);
@@ -153,8 +162,9 @@ void GroupEncoder::Impl::find_fan(const LineGroup& group) {
     const std::size_t axis = part == 0 ? fan.range_axis : fan.direction_axis;
     const auto& values = part == 0 ? fans.ranges : fans.directions;
     scales[axis] = find_scale(values, group.runs, ends);
-    if (scales[axis].split) scales[axis] = {scales[axis].base, 1, false, false};
+    if (scales[axis].split) scales[axis] = {scales[axis].base, 1, false, false, false};
     to_steps(values, scales[axis], state.u[axis]);
+    if (!scales[axis].even) find_ruling(group, axis);
     for (std::size_t i = 0; i < values.size() && !scales[axis].split; ++i)
       scales[axis].split = fan.coordinate(part, fans.directions[i], fans.ranges[i]) != group.xyz[axis][i];
   }
@@ -173,7 +183,13 @@ void GroupEncoder::Impl::write_even_ends(const LineGroup& group, Bytes& to) {
     if (!scales[axis].even) continue;
     symbols.clear();
     const EvenStart start = even_start(group.runs, state.u[axis], ends);
-    for (const std::int32_t value : {start.first, start.advance, start.step}) put_signed(to, value);
+    for (const std::int32_t value : {start.first, start.advance}) put_signed(to, value);
+    if (scales[axis].ruled) {
+      rulings[axis].write(group.runs, state.u[axis], start.first, start.advance, symbols);
+      symbols.write(to);
+      continue;
+    }
+    put_signed(to, start.step);
     visit_even_ends(group.runs, state.u[axis], start, [&](PointIndex i, std::int32_t guess, std::uint32_t context) {
       symbols.put(wrap(std::int64_t{state.u[axis][i]} - guess), context);
     });
@@ -244,9 +260,9 @@ void GroupEncoder::Impl::write_rest(const LineGroup& group, Bytes& to) {
     if (scales[axis].even) continue;
     rest_axes[axis].resize(points);
   }
-  if (scales[along].even)
+  if (scales[along].even && !scales[along].ruled)
     fill_even(group.runs, state.u[along]);
-  else
+  else if (!scales[along].even)
     fill_chord(state.known, state.u[along], rest_axes[along].chord);
   neighbours.find(group, state, scales[along], scales[along].even ? state.u[along] : rest_axes[along].chord);
   for (std::size_t axis = 0; axis < 3; ++axis)

@@ -22,7 +22,7 @@ void places_of(std::span<const Run> runs, std::vector<RunPlace>& out) {
 std::int64_t shift_between(const RunPlace& here, const RunPlace& above, const AxisScales& scales,
                            const GroupState& state) noexcept {
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (!scales[axis].even) continue;
+    if (!scales[axis].even || scales[axis].ruled) continue;
     const auto& u = state.u[axis];
     const std::int64_t step = even_step(*here.run, u);
     if (step == 0 || step != even_step(*above.run, u)) continue;

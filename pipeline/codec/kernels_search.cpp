@@ -56,7 +56,8 @@ __attribute__((target("avx2"))) std::size_t in_step_avx2(const std::int32_t* her
     const Positive before = amounts(h, load(above + i));
     const Positive beside = amounts(h, load(above + i + 1));
     const Positive behind = amounts(h, load(above + i + 2));
-    const std::uint32_t out = marks(reinterpret_cast<Whole>(beside > before)) | marks(reinterpret_cast<Whole>(beside >= behind));
+    const std::uint32_t out =
+        marks(reinterpret_cast<Whole>(beside > before)) | marks(reinterpret_cast<Whole>(beside >= behind));
     if (out != 0) return i + static_cast<std::size_t>(std::countr_zero(out));
   }
   return i + in_step_body(here + i, above + i, n - i);

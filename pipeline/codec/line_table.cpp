@@ -12,6 +12,8 @@ namespace {
 
 constexpr std::uint8_t kExact = 1;
 constexpr std::uint8_t kFan = 2;
+constexpr std::uint8_t kRuled = 4; // of x; the others follow
+constexpr std::uint8_t kKnownGroupFlags = 31;
 
 enum LineFlag : std::uint8_t {
   kDevice = 1,
@@ -106,7 +108,10 @@ bool same_lines(const LineGroup& group, const ScanLine& a, const ScanLine& b) no
 } // namespace
 
 void write_line_table(const LineGroup& group, const GroupFacts& facts, Bytes& to) {
-  to.push_back(static_cast<std::byte>((facts.exact ? kExact : 0) | (facts.fan.empty() ? 0 : kFan)));
+  unsigned flags_of_all = (facts.exact ? kExact : 0U) | (facts.fan.empty() ? 0U : kFan);
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    if (facts.scales[axis].ruled) flags_of_all |= unsigned{kRuled} << axis;
+  to.push_back(static_cast<std::byte>(flags_of_all));
   for (const AxisScale& scale : facts.scales) {
     put_signed(to, scale.base);
     put_varint(to, std::uint64_t{scale.step} << 2U | (scale.even ? 2U : 0U) | (scale.split ? 1U : 0U));
@@ -147,16 +152,19 @@ void write_line_table(const LineGroup& group, const GroupFacts& facts, Bytes& to
 Result<void> read_line_table(ByteView table, const PayloadHeader& header, LineGroup& group, GroupFacts& facts) {
   ByteReader from(table);
   const std::uint8_t flags_of_all = from.byte();
-  if (flags_of_all > (kExact | kFan)) return fail(Errc::damaged, "the line table has unknown flags");
+  if (flags_of_all > kKnownGroupFlags) return fail(Errc::damaged, "the line table has unknown flags");
   facts.exact = (flags_of_all & kExact) != 0;
   facts.fan.clear();
-  for (AxisScale& scale : facts.scales) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::int64_t base = from.signed_varint();
     const std::uint64_t packed = from.varint();
     const std::uint64_t step = packed >> 2U;
     if (!from.ok() || base != static_cast<std::int32_t>(base) || step == 0 || step > std::numeric_limits<std::uint32_t>::max())
       return fail(Errc::damaged, "the line table has an impossible axis scale");
-    scale = {static_cast<std::int32_t>(base), static_cast<std::uint32_t>(step), (packed & 1U) != 0, (packed & 2U) != 0};
+    const bool even = (packed & 2U) != 0;
+    const bool ruled = (flags_of_all & unsigned{kRuled} << axis) != 0;
+    if (ruled && !even) return fail(Errc::damaged, "the line table has an axis that is ruled and not even");
+    facts.scales[axis] = {static_cast<std::int32_t>(base), static_cast<std::uint32_t>(step), (packed & 1U) != 0, even, ruled};
   }
   if ((flags_of_all & kFan) != 0) {
     SCANSION_TRY(read_fan(from, header.points, facts.fan));

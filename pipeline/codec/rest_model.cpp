@@ -43,7 +43,7 @@ void walk(const RestLine& line, std::span<const std::int32_t> main, std::span<Po
 // Two even lines with one step: the walk would find exactly these, of two points equally near the later one.
 bool is_straight(const LineGroup& group, const ScanLine& line, const GroupState& state, const AxisScale& scale,
                  std::span<const std::int32_t> main, const RestLine& at) noexcept {
-  if (!scale.even || line.run_count != 1) return false;
+  if (!scale.even || scale.ruled || line.run_count != 1) return false;
   const Run& run = group.runs[line.first_run];
   const RunAbove& above = state.above[line.first_run];
   if (above.last + 1 != at.above_end || above.first != at.above_first || run.count < 3 || above.last - above.first < 2)

@@ -244,6 +244,15 @@ class Line:
         self.first = self.end = 0  # its points in the group
 
 
+def folded(value):
+    return 2 * value if value >= 0 else -2 * value - 1
+
+
+def turned(value):
+    """The zigzag form as 32 bits, read from the other end."""
+    return int(f"{folded(value):032b}"[::-1], 2)
+
+
 def on_line(u, a, b, i):
     return u[a] + (u[b] - u[a]) * (i - a) // (b - a)
 
@@ -298,13 +307,15 @@ class Group:
         table = header.body.blob()
         header.body.end()
         flags = table.byte()
-        need(flags <= 3, f"{table.where}: flags {flags}")
+        need(flags <= 31, f"{table.where}: flags {flags}")
         self.residuals = bool(flags & 1)
         self.axes, self.even = [], []
-        for _ in range(3):
+        self.ruled = [bool(flags >> 2 + axis & 1) for axis in range(3)]
+        for axis in range(3):
             base, step = table.signed(), table.varint()
             self.axes.append((base, step >> 2, bool(step & 1)))
             self.even.append(bool(step & 2))
+            need(self.even[axis] or not self.ruled[axis], f"{table.where}: axis {axis} is ruled and not even")
         self.fan = Fan(table, header.points) if flags & 2 else None
         self.lines, self.runs, self.count = [], [], 0
         last = [0] * 4
@@ -421,12 +432,35 @@ class Group:
         ends = [] if k else [i for run in self.runs for i in {run.first, run.last}]
         return sorted(ends + [i for points in inner for i in points])
 
+    def read_ruled(self, body, u):
+        first, advance = wrap(body.signed()), wrap(body.signed())
+        coded, first, pitch, phase = body.coded(), first - advance, 0, 1 << 31
+        for run in self.runs:
+            first = u[run.first] = wrap(first + advance + coded.next(0))
+            if len(run) == 1:
+                continue
+            whole, fraction = wrap((pitch >> 32) + coded.next(1)), pitch % (1 << 32) ^ turned(coded.next(2))
+            pitch, phase = (whole << 32) + fraction, phase ^ turned(coded.next(3))
+            missing, at = {}, run.first
+            for _ in range(folded(coded.next(4))):
+                at += folded(coded.next(5)) + 1
+                missing[at] = folded(coded.next(6)) + 1
+            need(at <= run.last, f"{body.where}: samples are missing beyond the run")
+            sample = 0
+            for i in range(run.first + 1, run.last + 1):
+                sample += 1 + missing.get(i, 0)
+                u[i] = wrap(first + (pitch * sample + phase >> 32))
+        coded.end()
+
     def uneven(self):
         return [axis for axis in range(3) if not self.even[axis]]
 
     def read_even(self, body):
-        for u, even in zip(self.u, self.even):
+        for u, even, ruled in zip(self.u, self.even, self.ruled):
             if not even:
+                continue
+            if ruled:
+                self.read_ruled(body, u)
                 continue
             first, advance, step = (wrap(body.signed()) for _ in range(3))
             coded, first = body.coded(), first - advance
@@ -439,7 +473,7 @@ class Group:
             coded.end()
 
     def align(self):
-        evens, before = [u for u, even in zip(self.u, self.even) if even], None
+        evens, before = [u for u, even, ruled in zip(self.u, self.even, self.ruled) if even and not ruled], None
         for line in self.lines:
             if not line.runs:
                 continue

@@ -81,6 +81,12 @@ def raster(rng, points, lines):
              for i in range(points)] for y in range(lines)]
 
 
+def ruled(rng, points, lines):
+    """Rounded multiples of a pitch, points left out without a word."""
+    return [[[f"{0.0371 * (1 + 0.001 * y) * i + 0.002 * y:.3f}", f"{0.2 * y:.1f}", f"{0.001 * rng.randrange(-9, 10):.3f}"]
+             for i in range(points) if rng.random() > 0.03] for y in range(lines)]
+
+
 def floats(rng, lines, form):
     """Numbers that lie on no lattice, negative and tiny ones included."""
     special = [0.0, -0.0, 1e-30, -1e-30, 0.1, -0.1, 5.0, -5.0]
@@ -122,6 +128,7 @@ def cases(folder):
         "flat": [[[f"{j}", f"{i}", "0"] for j in range(50)] for i in range(4)],
         "fan": fan(rng, 91, 70),
         "raster": raster(rng, 120, 66),
+        "ruled": ruled(rng, 120, 66),
         "same-again": [[[f"{j}", f"{i}", f"{j * j * 7919 % 99991}"] for j in range(300)] for i in range(20)],
     }
     for name, lines in made.items():

@@ -120,6 +120,7 @@ enum class Special : int {
   fan,     ///< a sensor that turns: whole range steps on few directions, some beams without an echo
   raster,  ///< even abscissae, gaps of invalid samples, edges that drift from line to line
   repeats, ///< random, but the same again in every line
+  ruled,   ///< abscissae on rounded multiples of a pitch that is no whole number, some points missing
   specials
 };
 
@@ -127,6 +128,8 @@ inline LineGroup make_special(Random& random, Special special, std::size_t lines
   LineGroup group;
   const double turn = 3.0 / static_cast<double>(points);
   const auto step = pick(random, 1, 3) * 500;
+  const double pitch = static_cast<double>(pick(random, 1500, 90000)) / 1024;
+  const bool joined = special == Special::fan || special == Special::ruled; // what is missing does not break the run
   std::vector<std::int32_t> repeated;
   for (std::size_t i = 0; i < points; ++i) repeated.push_back(static_cast<std::int32_t>(pick(random, -1000000000, 1000000000)));
   for (std::size_t l = 0; l < lines; ++l) {
@@ -137,9 +140,9 @@ inline LineGroup make_special(Random& random, Special special, std::size_t lines
         ++invalid;
         continue;
       }
-      const bool joins = special == Special::fan || invalid == 0;
+      const bool joins = joined || invalid == 0;
       if (line.runs.empty() || !joins) line.runs.push_back({static_cast<std::uint32_t>(line.points()), 0, invalid});
-      invalid = special == Special::fan ? invalid : 0;
+      invalid = joined ? invalid : 0;
       ++line.runs.back().count;
       const auto along = static_cast<std::int32_t>(i);
       const auto y = static_cast<std::int32_t>(l * 100);
@@ -152,11 +155,13 @@ inline LineGroup make_special(Random& random, Special special, std::size_t lines
              static_cast<std::int32_t>(std::llround(range * std::sin(turn * along)))};
       } else if (special == Special::repeats) {
         p = {along * 100, y, repeated[i]};
+      } else if (special == Special::ruled) {
+        p[0] = static_cast<std::int32_t>(std::llround(pitch * along + 0.01 * static_cast<double>(l)));
       }
       for (std::size_t axis = 0; axis < 3; ++axis) line.xyz[axis].push_back(p[axis]);
     }
-    line.invalid_after = special == Special::fan ? 0 : invalid;
-    if (!line.runs.empty() && special == Special::fan) line.runs.front().invalid_before = 0;
+    line.invalid_after = joined ? 0 : invalid;
+    if (!line.runs.empty() && joined) line.runs.front().invalid_before = 0;
     append_line(group, l, line);
   }
   return group;
