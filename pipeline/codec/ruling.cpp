@@ -36,7 +36,8 @@ std::uint32_t fraction_part(std::int64_t pitch) noexcept {
 
 // The number of fewest bits behind the point in [low, high].
 std::optional<double> shortest_between(double low, double high) noexcept {
-  for (double unit = 1; unit <= kUnit; unit *= 2) {
+  for (unsigned bits = 0; bits <= kFractionBits; ++bits) {
+    const double unit = std::ldexp(1.0, static_cast<int>(bits));
     const double number = std::ceil(low * unit) / unit;
     if (number <= high) return number;
   }

@@ -1,5 +1,6 @@
-// Farthest points of planar intervals in doubles, which are exact while spans stay below 2^26 counts. Included by the units of
-// each instruction set. SPDX-License-Identifier: Apache-2.0
+// Farthest points of planar intervals in doubles, which are exact while spans stay below 2^26 counts. Of longer runs that are
+// less wide than long (kLong) cross products are still exact; dot products are not, so what lies beyond an end or too near to
+// one is searched point by point. Included by the units of each instruction set. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "pipeline/rank/lanes.hpp"
@@ -8,11 +9,16 @@
 namespace scansion {
 namespace {
 
+/// Runs of spans below this are exact.
+inline constexpr std::uint32_t kPlanarExact = 1U << 26U;
+/// Cross products of longer ones are where the product of both spans is below this.
+inline constexpr std::uint64_t kCrossExact = std::uint64_t{1} << 52U;
+
+template <bool kLong>
 class PlanarFar {
 public:
-  static constexpr std::uint32_t kWide = 1U << 26U; ///< spans from here on are not exact
-
-  explicit PlanarFar(const VectorJob& job) : job_(job) {}
+  // A dot product has two products of at most span^2 and their sum: off by 2^-51 of that. The bound is generous.
+  PlanarFar(const VectorJob& job, std::uint32_t span) : job_(job), dot_off_(kLong ? 0x1p-49 * span * span : 0.0) {}
 
   /// Up to kInner inner points.
   template <unsigned kInner>
@@ -20,7 +26,7 @@ public:
     constexpr unsigned kVectors = kInner / R::kLanes;
     const auto [a, b] = batch.interval[i];
     const unsigned inner = b - a - 1;
-    const Chord chord(job_, a, b);
+    const Chord chord(job_, a, b, dot_off_);
     V cross[kVectors];
     V most = R::set1(0);
     std::uint32_t outside = 0;
@@ -32,7 +38,7 @@ public:
       outside |= R::bits(R::without(lanes, R::inside(dot_of(chord, d), chord.length)));
       most = R::max(most, cross[v]);
     }
-    if (outside != 0) return find_mixed(batch, i);
+    if (outside != 0) return find_beyond(batch, i);
     const double top = R::top(most);
     const V all = R::set1(top);
     std::uint64_t mask = 0;
@@ -44,7 +50,7 @@ public:
 
   void find_more(Batch& batch, unsigned i) const {
     const auto [a, b] = batch.interval[i];
-    const Chord chord(job_, a, b);
+    const Chord chord(job_, a, b, dot_off_);
     Top top;
     V nearest = chord.length;
     V farthest = R::set1(0);
@@ -72,7 +78,7 @@ public:
       top.see(R::keep(lanes, cross_of(chord, d)), k);
       outside |= R::bits(R::without(lanes, R::inside(dot_of(chord, d), chord.length)));
     }
-    if (outside != 0) return find_mixed(batch, i);
+    if (outside != 0) return find_beyond(batch, i);
     const double cross = R::top(top.most);
     const V all = R::set1(cross);
     const auto marked = [&](std::uint32_t first, unsigned count) {
@@ -91,14 +97,15 @@ public:
     batch.put(i, best, cross * cross, chord.squared);
   }
 
-  /// Some inner points lie beyond the ends of the chord: there the distance to the end counts.
+  /// Some inner points lie beyond the ends of the chord: there the distance to the end counts. The interval reaches less than
+  /// kPlanarExact.
   void find_mixed(Batch& batch, unsigned i) const {
     const auto [a, b] = batch.interval[i];
-    const Chord chord(job_, a, b);
+    const Chord chord(job_, a, b, 0);
     const auto measure = [&](std::uint32_t first, unsigned count) {
       const auto lanes = R::first(count);
       const Step d = step(chord, first);
-      const V dot = dot_of(chord, d);
+      const V dot = whole_dot_of(chord, d);
       const auto inside = R::inside(dot, chord.length);
       const auto ahead = R::equal(R::max(dot, chord.length), dot);
       const Step f{R::sub(d.u, R::keep(ahead, chord.along_u)), R::sub(d.v, R::keep(ahead, chord.along_v))};
@@ -136,6 +143,13 @@ public:
   }
 
 private:
+  void find_beyond(Batch& batch, unsigned i) const {
+    if constexpr (kLong)
+      batch.put(i, job_.exact(job_, batch.interval[i].a, batch.interval[i].b));
+    else
+      find_mixed(batch, i);
+  }
+
   using R = Reals;
   using V = typename R::V;
   // Where the maximum is, is noted once for so many vectors.
@@ -165,15 +179,17 @@ private:
   struct Chord {
     V base_u, base_v, along_u, along_v, length;
     double squared;
-    Chord(const VectorJob& job, std::uint32_t a, std::uint32_t b) {
-      const double u = static_cast<double>(job.u[b]) - job.u[a];
-      const double v = static_cast<double>(job.v[b]) - job.v[a];
-      squared = u * u + v * v;
+    // Spans are below 2^30, so this is the exact square, rounded once. Dot products come with dot_off taken away; one near an
+    // end counts as beyond it.
+    Chord(const VectorJob& job, std::uint32_t a, std::uint32_t b, double dot_off) {
+      const std::int64_t u = std::int64_t{job.u[b]} - job.u[a];
+      const std::int64_t v = std::int64_t{job.v[b]} - job.v[a];
+      squared = static_cast<double>(u * u + v * v);
       base_u = R::set1(job.u[a]);
       base_v = R::set1(job.v[a]);
-      along_u = R::set1(u);
-      along_v = R::set1(v);
-      length = R::set1(squared);
+      along_u = R::set1(static_cast<double>(u));
+      along_v = R::set1(static_cast<double>(v));
+      length = R::set1(squared - 3 * dot_off);
     }
   };
   struct Step {
@@ -190,11 +206,16 @@ private:
   [[nodiscard]] static V cross_of(const Chord& c, const Step& d) {
     return R::abs(R::mul_sub(d.v, c.along_u, R::mul(d.u, c.along_v)));
   }
-  [[nodiscard]] static V dot_of(const Chord& c, const Step& d) {
+  [[nodiscard]] static V whole_dot_of(const Chord& c, const Step& d) {
     return R::mul_add(d.u, c.along_u, R::mul(d.v, c.along_v));
+  }
+  [[nodiscard]] V dot_of(const Chord& c, const Step& d) const {
+    if constexpr (kLong) return R::sub(whole_dot_of(c, d), R::set1(dot_off_));
+    return whole_dot_of(c, d);
   }
 
   const VectorJob& job_;
+  double dot_off_; ///< bound of what is rounded, in squared counts
 };
 
 } // namespace

@@ -11,6 +11,8 @@
 namespace scansion {
 namespace {
 
+/// kLong: of spans up to kNarrowSpan, see planar_far.hpp.
+template <bool kLong>
 class PlanarSearch {
 public:
   // Up to 14 inner points exactly; up to 32, 64, more; then, for those that reach too far for 16 bits, up to 8, 16, more.
@@ -32,7 +34,7 @@ public:
   static constexpr unsigned part_class(unsigned c) { return c == kFar ? kMore : c - 1; }
   static constexpr bool is_short(unsigned c) { return c <= kMore; }
 
-  explicit PlanarSearch(const VectorJob& job) : job_(job), far_(job) {
+  PlanarSearch(const VectorJob& job, std::uint32_t span) : job_(job), far_(job, span) {
     const std::uint32_t n = job.n;
     const std::int32_t* __restrict const u = job.u;
     const std::int32_t* __restrict const v = job.v;
@@ -79,9 +81,9 @@ public:
         find_more(batch, i);
       } else {
         if constexpr (c == kFar8)
-          far_.find_short<8>(batch, i);
+          far_.template find_short<8>(batch, i);
         else if constexpr (c == kFar16)
-          far_.find_short<16>(batch, i);
+          far_.template find_short<16>(batch, i);
         else
           far_.find_more(batch, i);
       }
@@ -232,11 +234,12 @@ private:
   }
 
   const VectorJob& job_;
-  PlanarFar far_;
+  PlanarFar<kLong> far_;
   std::uint64_t work_ = 0;
 };
 
-constexpr PlanarSearch::ClassOfLength PlanarSearch::kClassOf = PlanarSearch::class_of_length();
+template <bool kLong>
+constexpr typename PlanarSearch<kLong>::ClassOfLength PlanarSearch<kLong>::kClassOf = PlanarSearch<kLong>::class_of_length();
 
 } // namespace
 } // namespace scansion

@@ -22,6 +22,7 @@ inline Extent extent_of(const std::int32_t* axis, std::uint32_t n) {
 
 inline void rank_vector(VectorJob job) {
   std::uint32_t most = 0;
+  std::uint64_t area = 1; // the product of the spans of the axes along which runs move
   unsigned constant = 3; // the last axis along which no run moves
   for (unsigned k = 0; k < 3; ++k) {
     Extent all{job.axes[k][0], job.axes[k][0]};
@@ -32,13 +33,18 @@ inline void rank_vector(VectorJob job) {
       all = {smaller(all.low, e.low), larger(all.high, e.high)};
       moves |= e.low != e.high;
     }
-    if (!moves) constant = k;
-    most = larger(most, static_cast<std::uint32_t>(all.high) - static_cast<std::uint32_t>(all.low));
+    const std::uint32_t span = static_cast<std::uint32_t>(all.high) - static_cast<std::uint32_t>(all.low);
+    if (!moves)
+      constant = k;
+    else
+      area = area < kCrossExact ? area * (span + std::uint64_t{1}) : area;
+    most = larger(most, span);
   }
   job.wide = most >= kNarrowSpan;
   if (constant == 3 || job.wide) job.guarded = nullptr;
   // A planar run is seen along its two axes, unless they are too long for that; then the third comes last.
-  const bool planar = constant < 3 && most < PlanarFar::kWide;
+  const bool exact = constant < 3 && most < kPlanarExact;
+  const bool planar = exact || (constant < 3 && !job.wide && area < kCrossExact);
   const std::int32_t** const seen[3] = {&job.u, &job.v, &job.w};
   unsigned next = 0;
   const auto see = [&](unsigned k) {
@@ -51,8 +57,11 @@ inline void rank_vector(VectorJob job) {
     if (k != constant) see(k);
   if (constant < 3 && !planar) see(constant);
 
-  if (planar) {
-    PlanarSearch search(job);
+  if (exact) {
+    PlanarSearch<false> search(job, most);
+    grow_tree(job, search);
+  } else if (planar) {
+    PlanarSearch<true> search(job, most);
     grow_tree(job, search);
   } else if (most < SpatialSearch<false>::kWide) {
     SpatialSearch<false> search(job, most);

@@ -4,6 +4,7 @@
 
 #include "pipeline/model/scan_line.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -36,6 +37,7 @@ enum class Kind : int {
   wide,        ///< anywhere in 32 bits
   part,        ///< smooth surface with steps and noise
   tilted,      ///< a part in a leaning plane
+  long_thin,   ///< planar, far longer than wide: fine counts; ties, folds and points beside the ends of chords
   digits,      ///< nearly all values are multiples of 1000: text with significant digits
   kinds
 };
@@ -51,6 +53,7 @@ inline Coordinates make_run(Random& random, Kind kind, std::size_t n) {
   const std::int64_t pitch = pick(random, 1, 200);
   const std::int64_t height = pick(random, 1, 5000);
   const std::int64_t lean = pick(random, -3, 3);
+  const std::int64_t long_step = std::min(pitch * 10000, kSpan / static_cast<std::int64_t>(n + 7));
   std::int64_t level = 0;
   for (std::size_t k = 0; k < n; ++k) {
     const auto i = static_cast<std::int64_t>(k);
@@ -71,6 +74,11 @@ inline Coordinates make_run(Random& random, Kind kind, std::size_t n) {
             random() % 2 == 0 ? std::numeric_limits<std::int32_t>::min() : pick(random, -9, 9),
             random() % 2 == 0 ? std::numeric_limits<std::int32_t>::max() : static_cast<std::int32_t>(random()));
         break;
+      case Kind::long_thin: {
+        const std::int64_t x = (i - (random() % 16 == 0 ? pick(random, 0, 6) : 0)) * long_step;
+        add(random() % 4 == 0 ? x + pick(random, -3, 3) : x, 5, pick(random, 0, 4) * height * (random() % 32 == 0 ? 300 : 1));
+        break;
+      }
       case Kind::digits: {
         const std::int64_t z = 1000 * pick(random, -200000, 200000);
         add(i * 250000, 3, random() % 20 == 0 ? z + pick(random, -499, 500) : z);
