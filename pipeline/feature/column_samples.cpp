@@ -2,18 +2,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/feature/column_samples.hpp"
 
+#include "pipeline/feature/passes.hpp"
+
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 
 namespace scansion {
 
 namespace {
 
-constexpr std::uint32_t kBlock = 16; // columns at once
-constexpr double kMidway = 0.5;      // between two samples; what stands there belongs to the second one
-constexpr double kSlack = 0.05;      // of a pitch: samples often stand on columns but for their rounding
+constexpr std::uint32_t kBlock = passes::ColumnBlock::kSize;
+constexpr double kSlack = 0.05; // of a pitch: samples often stand on columns but for their rounding
 
 class ColumnSampler {
 public:
@@ -39,29 +39,16 @@ private:
   const double widest_, jump_; // mm: between samples, up
 };
 
-// Takes a block of columns if samples stand beside them one by one, s[i] before column i and s[i + 1] behind it, or hardly on
-// the other side of it, and none of them at a wall. Without branches: for all samples of all lines.
+// Takes a block of columns if samples stand beside them one by one, and none of them at a wall.
 bool ColumnSampler::take_block(std::uint32_t k, std::int64_t column) noexcept {
-  const double* const s = s_ + k;
-  const double* const w = w_ + k;
-  const double first = static_cast<double>(column), pitch = grid_.pitch, base = grid_.base, widest = widest_, jump = jump_;
   std::array<float, kBlock> height;
-  std::array<std::int32_t, kBlock> beyond; // 1: the sample beyond the column is the nearer one
-  std::int64_t outside = 0;                // in its sign
-  const double slack = kSlack * pitch;
-  for (std::size_t i = 0; i < kBlock; ++i) {
-    const double at = (first + static_cast<std::int32_t>(i)) * pitch, ds = s[i + 1] - s[i], dw = w[i + 1] - w[i];
-    const double share = (at - s[i]) / ds;
-    outside |= std::bit_cast<std::int64_t>(at + slack - s[i]) | std::bit_cast<std::int64_t>(s[i + 1] + slack - at) |
-               std::bit_cast<std::int64_t>(widest - ds) | std::bit_cast<std::int64_t>(jump - std::abs(dw));
-    height[i] = static_cast<float>(w[i] + dw * share - base);
-    beyond[i] = static_cast<std::int32_t>(share + kMidway);
-  }
-  if (outside < 0) return false;
+  std::array<std::uint32_t, kBlock> behind;
+  const passes::ColumnBlock block{static_cast<double>(column), grid_.pitch, grid_.base, widest_, jump_, kSlack * grid_.pitch};
+  if (!passes::sample_columns(s_ + k, w_ + k, block, height.data(), behind.data())) return false;
   std::copy(height.begin(), height.end(), height_ + (column - grid_.left));
   std::uint32_t* const source = source_ + (column - grid_.left);
   const std::uint32_t* const samples = samples_ + k;
-  for (std::size_t i = 0; i < kBlock; ++i) source[i] = samples[i + static_cast<std::size_t>(beyond[i])];
+  for (std::size_t i = 0; i < kBlock; ++i) source[i] = samples[i + behind[i]];
   return true;
 }
 

@@ -4,6 +4,7 @@
 
 #include "pipeline/feature/column_samples.hpp"
 #include "pipeline/feature/detector.hpp"
+#include "pipeline/feature/passes.hpp"
 
 #include <cmath>
 #include <limits>
@@ -89,27 +90,23 @@ void Columns::screen(std::int64_t r, const Sampling& sampling) {
   // At least two rows a side; fewer than N at the ends of the scan.
   const std::int64_t low = std::max(first_, r - n), high = std::min(next_ - 1, r + n);
   if (r - low < 2 || high - r < 2) return;
-  const auto weigh = [&](std::int64_t from, std::int64_t to, std::vector<double>& weights) {
+  for (std::int64_t k = low + 1; k <= high; ++k)
+    if (row(k).c - row(k - 1).c > kMostMissed * sampling.spacing) return;
+  weighed_.clear();
+  weights_.clear();
+  const auto add_side = [&](std::int64_t from, std::int64_t to, double sign) {
     double mean = 0.0, square = 0.0;
     for (std::int64_t k = from; k <= to; ++k) mean += row(k).c;
     mean /= static_cast<double>(to - from + 1);
     for (std::int64_t k = from; k <= to; ++k) square += (row(k).c - mean) * (row(k).c - mean);
-    weights.clear();
-    for (std::int64_t k = from; k <= to; ++k) weights.push_back(square > 0.0 ? (row(k).c - mean) / square : 0.0);
+    for (std::int64_t k = from; k <= to; ++k) {
+      weighed_.push_back(row(k).height.data());
+      weights_.push_back(static_cast<float>(square > 0.0 ? sign * ((row(k).c - mean) / square) : 0.0));
+    }
   };
-  for (std::int64_t k = low + 1; k <= high; ++k)
-    if (row(k).c - row(k - 1).c > kMostMissed * sampling.spacing) return;
-  weigh(low, r - 1, before_);
-  weigh(r + 1, high, after_);
-  float* bend = centre.bend.data();
-  std::fill(centre.bend.begin(), centre.bend.end(), 0.0F);
-  const auto accumulate = [&](std::int64_t k, double weight) {
-    const float* height = row(k).height.data();
-    const auto factor = static_cast<float>(weight);
-    for (std::size_t j = 0; j < width_; ++j) bend[j] += factor * height[j];
-  };
-  for (std::int64_t k = low; k < r; ++k) accumulate(k, -before_[static_cast<std::size_t>(k - low)]);
-  for (std::int64_t k = r + 1; k <= high; ++k) accumulate(k, after_[static_cast<std::size_t>(k - r - 1)]);
+  add_side(low, r - 1, -1.0);
+  add_side(r + 1, high, 1.0);
+  passes::weigh(weighed_.data(), weights_.data(), weights_.size(), centre.bend.data(), width_);
 }
 
 ColumnPoint Columns::column_point(std::int64_t r, std::size_t column, const FeaturePoint& feature) const {

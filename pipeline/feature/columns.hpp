@@ -72,10 +72,11 @@ private:
   std::int64_t left_ = 0;        // number of the first column
   std::size_t width_ = 0;        // columns
   std::vector<Row> ring_;
-  std::int64_t first_ = 0, next_ = 0;  // rows held
-  std::vector<double> before_, after_; // weights of rows in slopes
-  ColumnRows rows_;                    // those held
-  Column column_;                      // the one that is looked at
+  std::int64_t first_ = 0, next_ = 0; // rows held
+  std::vector<const float*> weighed_; // rows in slopes
+  std::vector<float> weights_;        // of these
+  ColumnRows rows_;                   // those held
+  Column column_;                     // the one that is looked at
   std::vector<FeaturePoint> found_;
   std::vector<WallRun> walls_;
 };

@@ -78,6 +78,45 @@ SCANSION_INLINE Standing standing_body(const double* values, const Grid& grid, s
   return {outside == 0, uneven == 0};
 }
 
+SCANSION_INLINE bool sample_columns_body(const double* s, const double* w, const ColumnBlock& block, float* __restrict height,
+                                         std::uint32_t* __restrict behind) noexcept {
+  constexpr double kMidway = 0.5; // what stands there belongs to the second sample
+  const double first = block.first, pitch = block.pitch, base = block.base, widest = block.widest, jump = block.jump,
+               slack = block.slack;
+  std::int64_t outside = 0; // in its sign
+  for (std::size_t i = 0; i < ColumnBlock::kSize; ++i) {
+    const double at = (first + static_cast<std::int32_t>(i)) * pitch, ds = s[i + 1] - s[i], dw = w[i + 1] - w[i];
+    const double share = (at - s[i]) / ds;
+    outside |= std::bit_cast<std::int64_t>(at + slack - s[i]) | std::bit_cast<std::int64_t>(s[i + 1] + slack - at) |
+               std::bit_cast<std::int64_t>(widest - ds) | std::bit_cast<std::int64_t>(jump - std::abs(dw));
+    height[i] = static_cast<float>(w[i] + dw * share - base);
+    behind[i] = static_cast<std::uint32_t>(static_cast<std::int32_t>(share + kMidway));
+  }
+  return outside >= 0;
+}
+
+using Eight = float __attribute__((vector_size(32))); // where there are no such vectors, several narrower ones
+
+SCANSION_INLINE void weigh_body(const float* const* rows, const float* weights, std::size_t count, float* to,
+                                std::size_t n) noexcept {
+  constexpr std::size_t kLanes = sizeof(Eight) / sizeof(float);
+  std::size_t i = 0;
+  for (; i + kLanes <= n; i += kLanes) {
+    Eight sum{};
+    for (std::size_t k = 0; k < count; ++k) {
+      Eight row;
+      std::memcpy(&row, rows[k] + i, sizeof row);
+      sum += weights[k] * row;
+    }
+    std::memcpy(to + i, &sum, sizeof sum);
+  }
+  for (; i < n; ++i) {
+    float sum = 0.0F;
+    for (std::size_t k = 0; k < count; ++k) sum += weights[k] * rows[k][i];
+    to[i] = sum;
+  }
+}
+
 SCANSION_INLINE void lower_body(const double* __restrict from, double base, float* __restrict to, std::size_t n) noexcept {
   for (std::size_t k = 0; k < n; ++k) to[k] = static_cast<float>(from[k] - base);
 }
@@ -88,7 +127,6 @@ SCANSION_INLINE void lower_body(const double* __restrict from, double base, floa
 constexpr std::size_t kBlock = 32; // comparisons whose bits are looked at together: few are set, and are taken one by one
 
 using Four = double __attribute__((vector_size(32)));
-using Eight = float __attribute__((vector_size(32)));
 
 // (The header with the processor's own names is not included: behind it GCC 12 compiles with the options of the precompiled
 // header.)
@@ -177,6 +215,14 @@ SCANSION_AVX2 std::size_t count_back_avx2(const double* values, std::size_t n) n
 SCANSION_AVX2 Standing standing_avx2(const double* values, const Grid& grid, std::size_t n) noexcept {
   return standing_body(values, grid, n);
 }
+SCANSION_AVX2 bool sample_columns_avx2(const double* s, const double* w, const ColumnBlock& block, float* height,
+                                       std::uint32_t* behind) noexcept {
+  return sample_columns_body(s, w, block, height, behind);
+}
+SCANSION_AVX2 void weigh_avx2(const float* const* rows, const float* weights, std::size_t count, float* to,
+                              std::size_t n) noexcept {
+  weigh_body(rows, weights, count, to, n);
+}
 SCANSION_AVX2 void lower_avx2(const double* from, double base, float* to, std::size_t n) noexcept {
   lower_body(from, base, to, n);
 }
@@ -204,6 +250,8 @@ constexpr auto project_avx2 = project_body;
 constexpr auto sum_avx2 = sum_body;
 constexpr auto count_back_avx2 = count_back_body;
 constexpr auto standing_avx2 = standing_body;
+constexpr auto sample_columns_avx2 = sample_columns_body;
+constexpr auto weigh_avx2 = weigh_body;
 constexpr auto lower_avx2 = lower_body;
 
 #endif
@@ -241,6 +289,14 @@ std::size_t reaching(const double* values, double limit, std::uint32_t* indexes,
 
 Standing standing(const double* values, const Grid& grid, std::size_t n) noexcept {
   return has_avx2() ? standing_avx2(values, grid, n) : standing_body(values, grid, n);
+}
+
+bool sample_columns(const double* s, const double* w, const ColumnBlock& block, float* height, std::uint32_t* behind) noexcept {
+  return has_avx2() ? sample_columns_avx2(s, w, block, height, behind) : sample_columns_body(s, w, block, height, behind);
+}
+
+void weigh(const float* const* rows, const float* weights, std::size_t count, float* to, std::size_t n) noexcept {
+  has_avx2() ? weigh_avx2(rows, weights, count, to, n) : weigh_body(rows, weights, count, to, n);
 }
 
 void lower(const double* from, double base, float* to, std::size_t n) noexcept {

@@ -44,6 +44,20 @@ struct Standing {
 };
 [[nodiscard]] Standing standing(const double* values, const Grid& grid, std::size_t n) noexcept;
 
+/// Columns at (first + i) * pitch, with s[i] before each and s[i + 1] behind it, or hardly on the other side.
+struct ColumnBlock {
+  static constexpr std::size_t kSize = 16;
+  double first = 0.0, pitch = 1.0, base = 0.0; ///< pitch in mm; base: of heights
+  double widest = 0.0, jump = 0.0;             ///< mm between the two samples, up
+  double slack = 0.0;                          ///< mm
+};
+/// Heights of kSize columns, and whether the sample behind each is the nearer one; false: samples do not stand like this.
+[[nodiscard]] bool sample_columns(const double* s, const double* w, const ColumnBlock& block, float* height,
+                                  std::uint32_t* behind) noexcept;
+
+/// to[i] = weights[0] * rows[0][i] + weights[1] * rows[1][i] + ..., `count` of them, added in this order.
+void weigh(const float* const* rows, const float* weights, std::size_t count, float* to, std::size_t n) noexcept;
+
 /// to[i] = from[i] - base.
 void lower(const double* from, double base, float* to, std::size_t n) noexcept;
 

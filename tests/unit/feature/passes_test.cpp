@@ -98,6 +98,27 @@ TEST(Passes, ProjectAndSumCounts) {
   }
 }
 
+TEST(Passes, WeighRowsInTheirOrder) {
+  std::mt19937 random(6);
+  std::uniform_real_distribution<float> any(-1.0F, 1.0F);
+  for (std::size_t n = 0; n < kMost; ++n) {
+    std::vector<std::vector<float>> rows(5, std::vector<float>(n));
+    std::vector<const float*> at;
+    std::vector<float> weights, sum(n, 7.0F);
+    for (auto& row : rows) {
+      for (float& value : row) value = any(random);
+      at.push_back(row.data());
+      weights.push_back(any(random));
+    }
+    passes::weigh(at.data(), weights.data(), at.size(), sum.data(), n);
+    for (std::size_t i = 0; i < n; ++i) {
+      float expected = 0.0F;
+      for (std::size_t k = 0; k < rows.size(); ++k) expected += weights[k] * rows[k][i];
+      EXPECT_EQ(sum[i], expected);
+    }
+  }
+}
+
 TEST(Passes, CountStepsBack) {
   for (std::size_t n = 0; n < kMost; ++n) {
     const auto all = values<double>(n, 5);
