@@ -32,6 +32,7 @@ void cut_stretches(const Track& track, std::size_t count, std::size_t fewest, st
       if (i == 0 && track.shed == 0) curve.front.why = track.begins;
       if (end == size) curve.back.why = track.ends;
       if (leads) curve.back.awaits = track.id;
+      curve.points.reserve(end - i);
       for (std::size_t k = i; k < end; ++k) {
         const TrackPoint& p = track.points[k];
         curve.points.push_back(

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 namespace scansion {
 
@@ -85,7 +86,7 @@ void Joiner::find_pairs(double settled, std::span<const LiveEnd> live, const Sam
   const double u = sampling.coarse();
   ends_.clear();
   pairs_.clear();
-  std::vector<Tip> tips;
+  tips_.clear();
   for (std::size_t i = 0; i < held_.size(); ++i) {
     for (const bool back : {false, true}) {
       const Curve& curve = held_[i];
@@ -94,20 +95,20 @@ void Joiner::find_pairs(double settled, std::span<const LiveEnd> live, const Sam
       if (curve.loop || end.seam || end.awaits != 0 || p.c + kSettled * u > settled) continue;
       if (is_any_near(live, p, curve.convex, kStraight * u)) continue;
       ends_.push_back({i, back});
-      tips.push_back(tip_of(curve, back));
+      tips_.push_back(tip_of(curve, back));
     }
   }
-  std::vector<std::size_t> order(ends_.size());
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  std::sort(order.begin(), order.end(),
-            [&](std::size_t a, std::size_t b) { return tips[a].c != tips[b].c ? tips[a].c < tips[b].c : a < b; });
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    for (std::size_t j = i + 1; j < order.size(); ++j) {
-      const std::size_t a = order[i], b = order[j];
-      if (tips[b].c - tips[a].c > kStraight * u) break;
+  by_c_.resize(ends_.size());
+  std::iota(by_c_.begin(), by_c_.end(), std::size_t{0});
+  std::sort(by_c_.begin(), by_c_.end(),
+            [&](std::size_t a, std::size_t b) { return tips_[a].c != tips_[b].c ? tips_[a].c < tips_[b].c : a < b; });
+  for (std::size_t i = 0; i < by_c_.size(); ++i) {
+    for (std::size_t j = i + 1; j < by_c_.size(); ++j) {
+      const std::size_t a = by_c_[i], b = by_c_[j];
+      if (tips_[b].c - tips_[a].c > kStraight * u) break;
       if (held_[ends_[a].curve].convex != held_[ends_[b].curve].convex) continue;
       if (ends_[a].curve == ends_[b].curve && is_shorter(held_[ends_[a].curve], 8.0 * u)) continue;
-      const double cost = join_cost(tips[a], tips[b], sampling);
+      const double cost = join_cost(tips_[a], tips_[b], sampling);
       if (cost >= 0.0) pairs_.push_back({cost, ends_[std::min(a, b)], ends_[std::max(a, b)]});
     }
   }

@@ -48,7 +48,9 @@ private:
 
   std::vector<Curve> held_;
   std::uint64_t next_order_ = 0, next_id_ = 1;
-  std::vector<End> ends_; ///< that nothing new can reach
+  std::vector<End> ends_;         ///< that nothing new can reach
+  std::vector<Tip> tips_;         ///< of these
+  std::vector<std::size_t> by_c_; ///< these, by place
   std::vector<Pair> pairs_;
 };
 
