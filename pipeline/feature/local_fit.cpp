@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/feature/local_fit.hpp"
 
+#include "pipeline/feature/bent_flanks.hpp"
 #include "pipeline/feature/pair.hpp"
 #include "pipeline/feature/parabola.hpp"
 #include "pipeline/feature/rounding.hpp"
@@ -40,6 +41,9 @@ struct SideSums {
     uu += share * samples.uu;
     uv += share * samples.uv;
     vv += share * samples.vv;
+  }
+  [[nodiscard]] PowerSums of(std::size_t side) const noexcept {
+    return {{n[side], u[side], v[side], uu[side], uv[side], vv[side]}, uuu[side], uuuu[side], uuv[side]};
   }
   [[nodiscard]] PowerSums together() const noexcept {
     return {{sum(n), sum(u), sum(v), sum(uu), sum(uv), sum(vv)}, sum(uuu), sum(uuuu), sum(uuv)};
@@ -200,6 +204,16 @@ void Window::place(Corner& corner, const FitScale& scale) const noexcept {
   if (u * u + v * v > limit * limit) return;
   corner.s += u;
   corner.w += v;
+  if (!corner.fitted) return;
+  const BentFlanks flanks{{sums_.of(kBefore), sums_.of(kAfter)},
+                          lines.direction(kBefore),
+                          lines.direction(kAfter),
+                          scale.variance(),
+                          std::min(-du(l_), du(r_))};
+  const double moved = flanks.moved(u);
+  if (moved == 0.0) return;
+  corner.s += moved;
+  corner.w += 0.5 * moved * sum(lines.sine / lines.cosine);
 }
 
 // Sum of squares of the best broken line with its corner at s.
@@ -227,7 +241,7 @@ void Window::measure(Corner& corner, const FitScale& scale) const noexcept {
   const double floor = scale.noise / 2.0 + 0.0005; // mm
   const double least = (all.n - 3.0) * floor * floor;
   const double error = corner_error(corner.s);
-  corner.misfit = error / std::max(1.0, all.n - 4.0) / (scale.noise * scale.noise + 2.5e-7);
+  corner.misfit = error / std::max(1.0, all.n - 4.0) / scale.variance();
   corner.sharpness = 0.5 * all.n * std::log(std::max(arc.error, least) / std::max(error, least)) - 1.0;
   const double stretch = 1.0 + arc.slope * arc.slope;
   corner.radius = stretch * std::sqrt(stretch) / std::max(2.0 * std::abs(arc.curvature), 1e-12);

@@ -36,6 +36,8 @@ struct FitScale {
   std::uint32_t least_window = 5;  ///< N0: samples a side for a slope within 1.5 degrees
   double arc_radius = 3.0;         ///< r_arc: an arc of a larger radius is no feature
 
+  /// Of a height, mm2: that of the noise and of half a micrometre, by which counts are rounded.
+  [[nodiscard]] double variance() const noexcept { return noise * noise + 2.5e-7; }
   /// Samples a side for a slope within 1.5 degrees, at most 24.
   static std::uint32_t wanted_window(double noise, double pitch) noexcept;
   /// Samples from an edge to the flank beyond the widest rounding.

@@ -25,7 +25,16 @@ struct PowerSums : LineSums {
 struct Parabola {
   double curvature = 0.0; ///< second derivative / 2
   double slope = 0.0, middle = 0.0, offset = 0.0;
-  double error = 0.0; ///< sum of squares
+  double error = 0.0;              ///< sum of squares
+  double gain = 0.0;               ///< by how much that is below the one of the best straight line
+  double skew = 0.0, spread = 0.0; ///< of the samples: third moment / second, second / count
+
+  /// How far it runs above the best straight line, and the slope of that.
+  [[nodiscard]] double above_line(double u) const noexcept {
+    const double x = u - middle;
+    return curvature * (x * x - skew * x - spread);
+  }
+  [[nodiscard]] double slope_above_line(double u) const noexcept { return curvature * (2.0 * (u - middle) - skew); }
 
   [[nodiscard]] static Parabola fit(const PowerSums& m) noexcept {
     Parabola p;
@@ -43,7 +52,10 @@ struct Parabola {
     p.curvature = norm > 0.0 ? q / norm : 0.0;
     p.slope = (uv - p.curvature * s3) / s2;
     p.offset = mean - p.curvature * s2 / m.n;
-    p.error = std::max(0.0, vv - uv * uv / s2 - (norm > 0.0 ? q * q / norm : 0.0));
+    p.gain = norm > 0.0 ? q * q / norm : 0.0;
+    p.error = std::max(0.0, vv - uv * uv / s2 - p.gain);
+    p.skew = s3 / s2;
+    p.spread = s2 / m.n;
     return p;
   }
 };

@@ -54,7 +54,7 @@ RoundingSearch find_rounding(const Heights& h, std::uint32_t k, std::uint32_t fi
   if (edge.radius > scale.arc_radius) return RoundingSearch::too_wide;
   const std::uint32_t from = inner_left - (l.samples - 1), to = inner_right + (r.samples - 1);
   const double n = to - from + 1;
-  const double floor = n * (scale.noise * scale.noise + 2.5e-7);
+  const double floor = n * scale.variance();
   edge.sharpness = std::min(kSharpest, 0.5 * n * std::log(std::max(1.0, arc_error(h, from, to) / floor)) - 1.0);
   edge.w = l.at(edge.s);
   edge.window = std::max(l.gap + l.samples, r.gap + r.samples);

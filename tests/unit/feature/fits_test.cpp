@@ -137,5 +137,42 @@ TEST(Rounding, edgeIsWhereItsFlanksMeet) {
   EXPECT_EQ(search(4.5, edge), RoundingSearch::too_wide);
 }
 
+// A floor that meets a dome: a straight line through the dome's side would place the foot by its sagitta too far outside.
+TEST(BentFlanks, footOfADomeIsWhereItStands) {
+  constexpr double kNoise = 0.05, kPitch = 0.1, kRadius = 4.0;
+  const FitScale scale = FitScale::of(kNoise, kPitch, kPitch);
+  std::mt19937_64 random(7);
+  std::normal_distribution<double> noise(0.0, kNoise);
+  double bent = 0.0, straight = 0.0;
+  constexpr int kRounds = 400;
+  for (int round = 0; round < kRounds; ++round) {
+    std::vector<double> s, w, side;
+    for (int i = -40; i <= 40; ++i) {
+      const double u = kPitch * i; // the dome's middle lies at kRadius / sqrt(2), as deep below the floor
+      const double x = u - kRadius * std::numbers::sqrt2 / 2.0;
+      const double dome = std::sqrt(std::max(0.0, kRadius * kRadius - x * x)) - kRadius * std::numbers::sqrt2 / 2.0;
+      s.push_back(u);
+      w.push_back((u > 0.0 ? dome : 0.0) + noise(random));
+    }
+    // The same edge with its side straightened.
+    side = w;
+    for (std::size_t i = 41; i < s.size(); ++i) {
+      const double x = s[i] - kRadius * std::numbers::sqrt2 / 2.0;
+      side[i] += s[i] - (std::sqrt(kRadius * kRadius - x * x) - kRadius * std::numbers::sqrt2 / 2.0);
+    }
+    bent += fit_bend({s, w}, 40, 0, 80, scale.least_window, scale).s / kRounds;
+    straight += fit_bend({s, side}, 40, 0, 80, scale.least_window, scale).s / kRounds;
+  }
+  EXPECT_NEAR(straight, 0.0, 0.02); // mm
+  EXPECT_NEAR(bent, 0.0, 0.1);      // .20 by straight lines
+}
+
+// What bends as the edge turns is its rounding.
+TEST(BentFlanks, roundingsMoveNoEdge) {
+  const FitScale scale = FitScale::of(0.002, 0.1, 0.1);
+  const Fillet fillet(0.3);
+  EXPECT_NEAR(fit_bend({fillet.s, fillet.w}, 120, 0, 240, 12, scale).s, 0.0, 0.02);
+}
+
 } // namespace
 } // namespace scansion
