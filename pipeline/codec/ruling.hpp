@@ -41,7 +41,8 @@ private:
     double last = 0;                ///< sample of the last point
   };
   [[nodiscard]] bool rule(const Run& run, std::span<const std::int32_t> u, const Rule& before);
-  [[nodiscard]] bool narrow(const Run& run, std::span<const std::int32_t> u, std::size_t skips, Spread spread, const Rule& before);
+  [[nodiscard]] bool narrow(const Run& run, std::span<const std::int32_t> u, std::size_t skips, Spread spread,
+                            const Rule& before);
   [[nodiscard]] bool adopt(double pitch, const Spread& spread, const Rule& before);
   [[nodiscard]] bool measure(const Run& run, std::span<const std::int32_t> u, double pitch, Spread& spread);
   void lay_out(const Run& run, const Rule& rule, std::size_t skips_begin, std::span<std::int32_t> u) const noexcept;

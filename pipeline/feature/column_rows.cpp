@@ -7,18 +7,19 @@
 
 namespace scansion {
 
-void ColumnRows::start(const WallTest& test) noexcept {
-  test_ = test;
-  rows_.clear();
-  places_.clear();
-  steep_.clear();
-}
-
 void ColumnRows::add(const ColumnRow& row) {
-  constexpr double kLess = 1.0 - 1e-6; // more than single precision rounds
-  if (!rows_.empty()) steep_.push_back(static_cast<float>(kLess * test_.steep_rise(row.c - places_.back())));
   rows_.push_back(row);
   places_.push_back(row.c);
+}
+
+void ColumnRows::drop_oldest() {
+  rows_.erase(rows_.begin());
+  places_.erase(places_.begin());
+}
+
+void ColumnRows::clear() noexcept {
+  rows_.clear();
+  places_.clear();
 }
 
 // Not a number: one of the two rows has no height there.
@@ -61,15 +62,16 @@ bool ColumnRows::starts_step(std::int64_t row, std::size_t column) const {
   bool seeded = false;
   std::int64_t k = row;
   do {
-    seeded = seeded || test_.seeds(run(k), rise(k, column), rise_if_any(k - 1, column), rise_if_any(k + 1, column));
+    seeded = seeded || (test_.may_seed(run(k), rise(k, column)) &&
+                        test_.stands_out(run(k), rise(k, column), rise_if_any(k - 1, column), rise_if_any(k + 1, column)));
     ++k;
   } while (grows(k, column, rising) && k - row <= static_cast<std::int64_t>(kMostRounded));
   return seeded && is_step(row, k, column);
 }
 
+// Of a steep interval: whether the wall that it starts is a step.
 bool ColumnRows::is_of_wall(std::int64_t row, std::size_t column) const {
   const double dw = rise(row, column);
-  if (!(std::abs(dw) > test_.steep_rise(run(row)))) return false;
   std::int64_t low = row, high = row + 1;
   const auto few = [&] { return high - low <= static_cast<std::int64_t>(kMostRounded); };
   while (few() && grows(low - 1, column, dw > 0.0)) --low;

@@ -18,17 +18,18 @@ struct ColumnRow {
 /// Rows are counted from the oldest one. Points into rows that belong to someone else. Thread-bound.
 class ColumnRows {
 public:
-  /// Forgets all rows; `test` says what a wall is among those to come.
-  void start(const WallTest& test) noexcept;
+  /// What a wall is from now on.
+  void set_test(const WallTest& test) noexcept { test_ = test; }
   void add(const ColumnRow& row);
+  void drop_oldest();
+  void clear() noexcept;
   [[nodiscard]] std::int64_t size() const noexcept { return static_cast<std::int64_t>(rows_.size()); }
   [[nodiscard]] const ColumnRow& operator[](std::int64_t row) const noexcept { return rows_[static_cast<std::size_t>(row)]; }
   [[nodiscard]] std::span<const double> places() const noexcept { return places_; } ///< c of each row
 
   /// Whether the interval from this row to the next one is a steep one of a wall that is a step.
   [[nodiscard]] bool is_of_step(std::int64_t row, std::size_t column) const {
-    const float size = std::abs((*this)[row + 1].height[column] - (*this)[row].height[column]);
-    return size >= steep_[static_cast<std::size_t>(row)] && is_of_wall(row, column);
+    return std::abs(rise(row, column)) > test_.steep_rise(run(row)) && is_of_wall(row, column);
   }
   /// Whether it is the first of a wall that is a step; asked of intervals that rise or fall.
   [[nodiscard]] bool starts_step(std::int64_t row, std::size_t column) const;
@@ -48,7 +49,6 @@ private:
   WallTest test_{FitScale{}};
   std::vector<ColumnRow> rows_;
   std::vector<double> places_;
-  std::vector<float> steep_; // least rise of a steep interval, somewhat less than exact
 };
 
 /// One column around a row, without its holes. Points into the rows it was taken from. Thread-bound.

@@ -16,7 +16,6 @@ namespace {
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 constexpr float kLeastSlopeChange = 0.1228F; // tan 7 degrees
 constexpr double kMostMissed = 3.6;          // spacings within a window
-constexpr std::size_t kBlock = 32;           // columns
 constexpr std::size_t kMostFlank = 64;       // rows
 
 } // namespace
@@ -57,6 +56,7 @@ bool Columns::make_room(double low, double high) {
   }
   left_ = new_left;
   width_ = new_width;
+  view_rows();
   return true;
 }
 
@@ -68,6 +68,8 @@ void Columns::add(const Profile& profile, const Sampling& sampling, std::vector<
   Row& newest = row(r);
   newest.c = profile.c;
   newest.line = profile.line;
+  rows_.add({newest.c, newest.height.data(), newest.bend.data()});
+  if (rows_.size() > next_ - first_) rows_.drop_oldest();
   std::fill(newest.height.begin(), newest.height.end(), kNone);
   sample_columns(profile, sampling, {pitch_, left_, base_}, newest.height.data(), newest.source.data());
   std::fill(newest.bend.begin(), newest.bend.end(), kNone);
@@ -212,8 +214,8 @@ void Columns::measure_step(std::int64_t r, std::size_t column, const FitScale& s
   }
 }
 
-void Columns::view_rows(const WallTest& test) {
-  rows_.start(test);
+void Columns::view_rows() {
+  rows_.clear();
   for (std::int64_t r = first_; r < next_; ++r) rows_.add({row(r).c, row(r).height.data(), row(r).bend.data()});
 }
 
@@ -225,24 +227,18 @@ void Columns::harvest(std::int64_t r, const Sampling& sampling, std::vector<Colu
                               static_cast<float>(kLeastSignificance * scale.noise * std::sqrt(24.0 / (n * length * length))));
   const auto near = std::max<std::int64_t>(1, static_cast<std::int64_t>(wanted_) / 2);
   const WallTest test(scale);
-  view_rows(test);
+  rows_.set_test(test);
   const std::int64_t at = r - first_;
   const ColumnRow& centre = rows_[at];
   const ColumnRow& next = at + 1 < rows_.size() ? rows_[at + 1] : centre;
   // Every interval of a wall is larger.
   const auto wall = static_cast<float>(std::max(test.noise, 0.49 * (next.c - centre.c)));
-  // Most blocks show nothing.
-  for (std::size_t block = 0; block < width_; block += kBlock) {
-    const std::size_t end = std::min(width_, block + kBlock);
-    int seen = 0;
-    for (std::size_t j = block; j < end; ++j)
-      seen |= static_cast<int>(std::abs(centre.bend[j]) >= least) |
-              static_cast<int>(std::abs(next.height[j] - centre.height[j]) > wall);
-    if (seen == 0) continue;
-    for (std::size_t j = block; j < end; ++j) {
-      if (std::abs(centre.bend[j]) >= least && bends_most(at, j, near)) measure_bend(r, j, sampling, scale, out);
-      if (std::abs(next.height[j] - centre.height[j]) > wall && rows_.starts_step(at, j)) measure_step(r, j, scale, out);
-    }
+  shown_.resize(width_);
+  const std::size_t shown =
+      passes::bent_or_stepped(centre.bend, centre.height, next.height, {least, wall}, shown_.data(), width_);
+  for (const std::uint32_t j : std::span(shown_).first(shown)) {
+    if (std::abs(centre.bend[j]) >= least && bends_most(at, j, near)) measure_bend(r, j, sampling, scale, out);
+    if (std::abs(next.height[j] - centre.height[j]) > wall && rows_.starts_step(at, j)) measure_step(r, j, scale, out);
   }
 }
 

@@ -53,7 +53,7 @@ private:
 
   [[nodiscard]] bool make_room(double low, double high);
   void screen(std::int64_t r, const Sampling& sampling);
-  void view_rows(const WallTest& test);
+  void view_rows();
   void harvest(std::int64_t r, const Sampling& sampling, std::vector<ColumnPoint>& out);
   [[nodiscard]] bool bends_most(std::int64_t row, std::size_t column, std::int64_t near) const;
   void measure_bend(std::int64_t r, std::size_t column, const Sampling& sampling, const FitScale& scale,
@@ -76,6 +76,7 @@ private:
   std::vector<const float*> weighed_; // rows in slopes
   std::vector<float> weights_;        // of these
   ColumnRows rows_;                   // those held
+  std::vector<std::uint32_t> shown_;  // columns that show something in a row
   Column column_;                     // the one that is looked at
   std::vector<FeaturePoint> found_;
   std::vector<WallRun> walls_;

@@ -55,6 +55,18 @@ SCANSION_INLINE std::size_t first_apart_body(const double* a, const double* b, d
   return from;
 }
 
+SCANSION_INLINE std::size_t bent_or_stepped_body(const float* bend, const float* height, const float* next,
+                                                 const ColumnLimits& limits, std::uint32_t* indexes, std::size_t from,
+                                                 std::size_t n) noexcept {
+  std::size_t found = 0;
+  for (std::size_t k = from; k < n; ++k) {
+    indexes[found] = static_cast<std::uint32_t>(k);
+    const bool bent = std::abs(bend[k]) >= limits.least, stepped = std::abs(next[k] - height[k]) > limits.rise;
+    found += static_cast<std::size_t>(bent | stepped);
+  }
+  return found;
+}
+
 SCANSION_INLINE std::size_t reaching_body(const double* values, double limit, std::uint32_t* indexes, std::size_t from,
                                           std::size_t n) noexcept {
   std::size_t found = 0;
@@ -182,6 +194,21 @@ SCANSION_AVX2 std::size_t first_apart_avx2(const double* a, const double* b, dou
   return first_apart_body(a, b, limit, from, n);
 }
 
+SCANSION_AVX2 std::size_t bent_or_stepped_avx2(const float* bend, const float* height, const float* next,
+                                               const ColumnLimits& limits, std::uint32_t* indexes, std::size_t n) noexcept {
+  const Eight least = Eight{} + limits.least, rise = Eight{} + limits.rise;
+  std::size_t found = 0, from = 0;
+  for (; from + kBlock <= n; from += kBlock) {
+    std::uint32_t bits = apart_bits<Eight, kBlock>(next + from, height + from, rise);
+    for (std::size_t i = 0; i < kBlock; i += sizeof(Eight) / sizeof(float)) {
+      const Eight own = load<Eight>(bend + from + i);
+      bits |= bits_of(reinterpret_cast<Eight>((own >= least) | (own <= -least))) << i;
+    }
+    found += put(bits, from, indexes + found);
+  }
+  return found + bent_or_stepped_body(bend, height, next, limits, indexes + found, from, n);
+}
+
 SCANSION_AVX2 std::size_t reaching_avx2(const double* values, double limit, std::uint32_t* indexes, std::size_t n) noexcept {
   const Four least = Four{} + limit;
   std::size_t found = 0, from = 0;
@@ -242,6 +269,10 @@ template <typename T>
 std::size_t apart_avx2(const T* a, const T* b, T limit, std::uint32_t* indexes, std::size_t n) noexcept {
   return apart_body(a, b, limit, indexes, 0, n);
 }
+std::size_t bent_or_stepped_avx2(const float* bend, const float* height, const float* next, const ColumnLimits& limits,
+                                 std::uint32_t* indexes, std::size_t n) noexcept {
+  return bent_or_stepped_body(bend, height, next, limits, indexes, 0, n);
+}
 std::size_t reaching_avx2(const double* values, double limit, std::uint32_t* indexes, std::size_t n) noexcept {
   return reaching_body(values, limit, indexes, 0, n);
 }
@@ -283,6 +314,12 @@ std::size_t first_apart(const double* a, const double* b, double limit, std::siz
   return has_avx2() ? first_apart_avx2(a, b, limit, from, n) : first_apart_body(a, b, limit, from, n);
 }
 
+std::size_t bent_or_stepped(const float* bend, const float* height, const float* next, const ColumnLimits& limits,
+                            std::uint32_t* indexes, std::size_t n) noexcept {
+  return has_avx2() ? bent_or_stepped_avx2(bend, height, next, limits, indexes, n)
+                    : portable::bent_or_stepped(bend, height, next, limits, indexes, n);
+}
+
 std::size_t reaching(const double* values, double limit, std::uint32_t* indexes, std::size_t n) noexcept {
   return has_avx2() ? reaching_avx2(values, limit, indexes, n) : portable::reaching(values, limit, indexes, n);
 }
@@ -311,6 +348,10 @@ std::size_t portable::apart(const float* a, const float* b, float limit, std::ui
 }
 std::size_t portable::first_apart(const double* a, const double* b, double limit, std::size_t from, std::size_t n) noexcept {
   return first_apart_body(a, b, limit, from, n);
+}
+std::size_t portable::bent_or_stepped(const float* bend, const float* height, const float* next, const ColumnLimits& limits,
+                                      std::uint32_t* indexes, std::size_t n) noexcept {
+  return bent_or_stepped_body(bend, height, next, limits, indexes, 0, n);
 }
 std::size_t portable::reaching(const double* values, double limit, std::uint32_t* indexes, std::size_t n) noexcept {
   return reaching_body(values, limit, indexes, 0, n);

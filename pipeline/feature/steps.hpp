@@ -33,11 +33,8 @@ struct WallTest {
   }
   /// Whether an interval is large enough to start a wall.
   [[nodiscard]] bool may_seed(double ds, double dw) const noexcept { return std::abs(dw) > weak && std::abs(dw) > 0.5 * ds; }
-  /// Whether it starts one by itself; `before`, `after`: height differences of its neighbours, not a number: none.
-  [[nodiscard]] bool seeds(double ds, double dw, double before, double after) const noexcept {
-    return may_seed(ds, dw) && stands_out(ds, dw, before, after);
-  }
-  /// The same for one that is large enough.
+  /// Whether one that is large enough starts one by itself; `before`, `after`: height differences of its neighbours, not a
+  /// number: none.
   [[nodiscard]] bool stands_out(double ds, double dw, double before, double after) const noexcept {
     const double size = std::abs(dw);
     if (size > steep_rise(ds)) return true;

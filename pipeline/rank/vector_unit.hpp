@@ -23,7 +23,7 @@ inline Extent extent_of(const std::int32_t* axis, std::uint32_t n) {
 inline void rank_vector(VectorJob job) {
   std::uint32_t most = 0;
   std::uint64_t area = 1; // the product of the spans of the axes along which runs move
-  unsigned constant = 3; // the last axis along which no run moves
+  unsigned constant = 3;  // the last axis along which no run moves
   for (unsigned k = 0; k < 3; ++k) {
     Extent all{job.axes[k][0], job.axes[k][0]};
     bool moves = false;

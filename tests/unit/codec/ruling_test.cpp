@@ -64,7 +64,8 @@ TEST(Ruling, RoundedMultiplesOfAPitchAreFound) {
   for (int round = 0; round < 200; ++round) {
     Axis axis;
     const double sign = round % 2 == 0 ? 1 : -1;
-    const double pitch = sign * std::ldexp(1.0 + std::ldexp(static_cast<double>(random() >> 20), -44), static_cast<int>(random() % 12) + 4);
+    const double pitch =
+        sign * std::ldexp(1.0 + std::ldexp(static_cast<double>(random() >> 20), -44), static_cast<int>(random() % 12) + 4);
     for (int line = 0; line < 5; ++line) {
       const double first = static_cast<double>(random() % 100000) / 1000;
       axis.add(first, pitch * (1 + 1e-4 * line), samples_of(random, 1 + random() % 1500, round % 3 == 0 ? 20 : 0));

@@ -43,7 +43,7 @@ TEST(Direction, ofSlopeHasItsAngle) {
 class OneColumn {
 public:
   explicit OneColumn(std::vector<float> heights, const WallTest& test = WallTest(FitScale{})) : heights_(std::move(heights)) {
-    rows_.start(test);
+    rows_.set_test(test);
     for (std::size_t r = 0; r < heights_.size(); ++r) rows_.add({0.4 * static_cast<double>(r), &heights_[r], nullptr});
   }
   [[nodiscard]] const ColumnRows& rows() const { return rows_; }

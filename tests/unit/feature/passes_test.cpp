@@ -62,6 +62,21 @@ TEST(Passes, FindTheFirstThatIsApart) {
   }
 }
 
+TEST(Passes, FindColumnsThatBendOrStep) {
+  const passes::ColumnLimits limits{2.0F, 3.5F};
+  for (std::size_t n = 0; n < kMost; ++n) {
+    const auto bend = values<float>(n, 7), height = values<float>(n, 8), next = values<float>(n, 9);
+    std::vector<std::uint32_t> expected, found(n), portable(n);
+    for (std::size_t k = 0; k < n; ++k)
+      if (std::abs(bend[k]) >= limits.least || std::abs(next[k] - height[k]) > limits.rise)
+        expected.push_back(static_cast<std::uint32_t>(k));
+    found.resize(passes::bent_or_stepped(bend.data(), height.data(), next.data(), limits, found.data(), n));
+    portable.resize(passes::portable::bent_or_stepped(bend.data(), height.data(), next.data(), limits, portable.data(), n));
+    EXPECT_EQ(found, expected) << n;
+    EXPECT_EQ(portable, expected) << n;
+  }
+}
+
 TEST(Passes, FindWhatReachesALimit) {
   for (std::size_t n = 0; n < kMost; ++n) {
     const auto all = values<double>(n, 3);
