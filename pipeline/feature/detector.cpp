@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/feature/detector.hpp"
 
+#include "pipeline/feature/line_sums.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -16,14 +18,19 @@ double angle(double ds, double dw) noexcept {
   return std::atan2(dw, ds) * 180.0 / std::numbers::pi;
 }
 
-// Whether a vertex may be a corner at all. Over its flanks one turns by 7 degrees; against its neighbours, which stand on these
-// flanks or beyond their ends, it turns about as much.
-bool may_turn(const Profile& profile, const Vertex& vertex) noexcept {
+// How a vertex turns against its neighbours.
+Turning turning_of(const Profile& profile, const Vertex& vertex) noexcept {
+  const auto direction = [&](std::uint32_t from, std::uint32_t to) {
+    return Direction{profile.s[to] - profile.s[from], profile.w[to] - profile.w[from]};
+  };
+  return Turning::between(direction(vertex.before, vertex.k), direction(vertex.k, vertex.after));
+}
+
+// Whether a vertex that turns like this may be a corner at all: over its flanks one turns by 7 degrees, and against its
+// neighbours, which stand on these flanks or beyond their ends, about as much.
+bool may_be_corner(const Turning& turning) noexcept {
   constexpr double kLeast = 0.0699268119435; // tangent of 4 degrees
-  const double before_s = profile.s[vertex.k] - profile.s[vertex.before],
-               before_w = profile.w[vertex.k] - profile.w[vertex.before];
-  const double after_s = profile.s[vertex.after] - profile.s[vertex.k], after_w = profile.w[vertex.after] - profile.w[vertex.k];
-  return std::abs(before_s * after_w - before_w * after_s) >= kLeast * (before_s * after_s + before_w * after_w);
+  return std::abs(turning.sine) >= kLeast * turning.cosine;
 }
 
 } // namespace
@@ -91,6 +98,10 @@ void Detector::add_vertex(const Profile& profile, const Vertex& vertex, std::uin
     }
   }
   if (!bend) return;
+  if (bend->rounding > 0.0 && !smooth) {
+    rounding_end_ = bend->flank_after;
+    rounds_clockwise_ = bend->tau < 0.0;
+  }
   FeaturePoint p = make_point(*bend, vertex.k, scale);
   p.width = std::log2(profile.distance[vertex.k] / least);
   if (smooth) {
@@ -155,10 +166,14 @@ void Detector::detect(const Profile& profile, const Sampling& sampling, std::vec
   find_vertices(profile, least, stack_, vertices_);
   std::size_t wall = 0, run = 0;
   begin = 0;
+  rounding_end_ = 0;
   for (const Vertex& vertex : vertices_) {
     while (vertex.k >= profile.ends[run]) begin = profile.ends[run++];
     if (vertex.k < begin + kLineEnd || vertex.k + kLineEnd >= profile.ends[run]) continue;
-    if (!may_turn(profile, vertex)) continue;
+    const Turning turning = turning_of(profile, vertex);
+    if (!may_be_corner(turning)) continue;
+    // The vertices of one rounding see the same edge.
+    if (vertex.k < rounding_end_ && turning.clockwise() == rounds_clockwise_) continue;
     while (wall < walls_.size() && walls_[wall].high + 1 < vertex.k) ++wall;
     if (wall < walls_.size() && walls_[wall].step && vertex.k + 1 >= walls_[wall].low) continue;
     // No fit reaches beyond a step.

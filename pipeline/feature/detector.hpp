@@ -24,6 +24,8 @@ private:
   std::vector<std::uint32_t> stack_, order_, place_;
   std::vector<FeaturePoint> found_;
   std::vector<bool> dropped_;
+  std::uint32_t rounding_end_ = 0; // sample behind the last rounding that was found
+  bool rounds_clockwise_ = false;
 };
 
 /// Whether a bend of the same polarity beside a coarser one, measured over this window, belongs to it: the end of its rounding.

@@ -329,6 +329,7 @@ std::optional<Bend> find_bend(const Heights& heights, std::uint32_t k, const Rea
   corner->window = std::max(corner->window, edge.window);
   Bend bend = corner->bend();
   bend.rounding = edge.radius;
+  bend.flank_after = edge.flank_after;
   return bend;
 }
 

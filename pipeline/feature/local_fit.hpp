@@ -26,6 +26,7 @@ struct Bend {
   std::uint32_t window = 0;          ///< samples a side that were asked for
   bool fitted = false;               ///< both sides had enough samples
   double rounding = 0.0;             ///< radius of what rounds the edge, when its flanks were found beyond
+  std::uint32_t flank_after = 0;     ///< and the first sample of the one behind it
 
   [[nodiscard]] double significance() const noexcept;
 };

@@ -57,6 +57,7 @@ RoundingSearch find_rounding(const Heights& h, std::uint32_t k, std::uint32_t fi
   const double floor = n * scale.variance();
   edge.sharpness = std::min(kSharpest, 0.5 * n * std::log(std::max(1.0, arc_error(h, from, to) / floor)) - 1.0);
   edge.w = l.at(edge.s);
+  edge.flank_after = inner_right;
   edge.window = std::max(l.gap + l.samples, r.gap + r.samples);
   return RoundingSearch::edge;
 }

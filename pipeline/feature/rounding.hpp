@@ -11,9 +11,10 @@ struct RoundedEdge {
   double s = 0.0, w = 0.0; ///< mm
   Direction before, after; ///< of the flanks
   Turning turning;
-  double radius = 0.0;      ///< mm
-  double sharpness = 0.0;   ///< of an edge against one arc over both flanks
-  std::uint32_t window = 0; ///< samples a side that it took
+  double radius = 0.0;           ///< mm
+  std::uint32_t flank_after = 0; ///< its first sample
+  double sharpness = 0.0;        ///< of an edge against one arc over both flanks
+  std::uint32_t window = 0;      ///< samples a side that it took
 };
 
 enum class RoundingSearch : std::uint8_t {
