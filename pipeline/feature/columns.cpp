@@ -54,6 +54,9 @@ bool Columns::make_room(double low, double high) {
     std::copy(r.source.begin(), r.source.end(), source.begin() + static_cast<std::ptrdiff_t>(shift));
     r.source = std::move(source);
   }
+  std::vector<Rounding> roundings(new_width);
+  std::copy(roundings_.begin(), roundings_.end(), roundings.begin() + static_cast<std::ptrdiff_t>(shift));
+  roundings_ = std::move(roundings);
   left_ = new_left;
   width_ = new_width;
   view_rows();
@@ -144,6 +147,8 @@ void Columns::measure_bend(std::int64_t r, std::size_t column, const Sampling& s
   constexpr std::uint32_t kFewest = 2; // a side
   const std::int64_t at = r - first_;
   const auto row = static_cast<std::uint32_t>(at);
+  // The rows of one rounding see the same edge.
+  if (r < roundings_[column].end && (rows_[at].bend[column] < 0.0F) == roundings_[column].convex) return;
   Reach reach = rows_of_bend(at, column);
   if (row - reach.before < kFewest || reach.after - row < kFewest) return;
   column_.take(rows_, at, static_cast<std::int64_t>(flank_reach_), column, base_);
@@ -156,6 +161,7 @@ void Columns::measure_bend(std::int64_t r, std::size_t column, const Sampling& s
   if (k <= reach.before || k >= reach.after) return;
   const auto bend = find_bend(column_.heights(), k, reach, scale);
   if (!bend || is_part_of_step(*bend, scale)) return;
+  if (bend->rounding > 0.0) roundings_[column] = {r + (bend->flank_after - k), bend->tau < 0.0};
   ColumnPoint point = column_point(r, column, make_point(*bend, 0, scale));
   const auto own = static_cast<double>(std::abs(rows_[at].bend[column]));
   point.feature.width =

@@ -47,6 +47,11 @@ private:
     std::vector<float> height;         // NaN where there is none; relative to base_
     std::vector<float> bend;           // slope after minus slope before, over the least window; NaN: unknown
   };
+  /// The last rounding that was found in a column.
+  struct Rounding {
+    std::int64_t end = -1; // row
+    bool convex = false;
+  };
   [[nodiscard]] Row& row(std::int64_t r) noexcept { return ring_[static_cast<std::size_t>(r) % ring_.size()]; }
   [[nodiscard]] const Row& row(std::int64_t r) const noexcept { return ring_[static_cast<std::size_t>(r) % ring_.size()]; }
   [[nodiscard]] bool has(std::int64_t r) const noexcept { return r >= first_ && r < next_; }
@@ -72,6 +77,7 @@ private:
   std::int64_t left_ = 0;        // number of the first column
   std::size_t width_ = 0;        // columns
   std::vector<Row> ring_;
+  std::vector<Rounding> roundings_;   // of each column
   std::int64_t first_ = 0, next_ = 0; // rows held
   std::vector<const float*> weighed_; // rows in slopes
   std::vector<float> weights_;        // of these
