@@ -82,29 +82,30 @@ bool ColumnRows::is_of_wall(std::int64_t row, std::size_t column) const {
 void Column::take(const ColumnRows& rows, std::int64_t row, std::int64_t reach, std::size_t column, double base) {
   first_ = std::max<std::int64_t>(0, row - reach);
   const auto n = static_cast<std::size_t>(std::min(rows.size() - 1, row + reach) - first_ + 1);
-  raw_.resize(n);
   w_.resize(n);
   const ColumnRow* const from = &rows[first_];
-  float* const raw = raw_.data();
   double* const w = w_.data();
-  for (std::size_t k = 0; k < n; ++k) raw[k] = from[k].height[column];
-  std::int32_t holes = 0;
-  for (std::size_t k = 0; k < n; ++k) holes += static_cast<std::int32_t>(std::isnan(raw[k]));
+  bool holes = false;
+  for (std::size_t k = 0; k < n; ++k) {
+    const float height = from[k].height[column];
+    holes |= std::isnan(height);
+    w[k] = static_cast<double>(height) + base;
+  }
   s_ = rows.places().subspan(static_cast<std::size_t>(first_), n);
   index_.clear();
-  if (holes > 0) return leave_out_holes(s_, base);
-  for (std::size_t k = 0; k < n; ++k) w[k] = static_cast<double>(raw[k]) + base;
+  if (holes) leave_out_holes();
 }
 
-void Column::leave_out_holes(std::span<const double> places, double base) {
+void Column::leave_out_holes() {
   places_.clear();
-  w_.clear();
-  for (std::size_t k = 0; k < raw_.size(); ++k) {
-    index_.push_back(static_cast<std::uint32_t>(w_.size()));
-    if (std::isnan(raw_[k])) continue;
-    places_.push_back(places[k]);
-    w_.push_back(static_cast<double>(raw_[k]) + base);
+  for (std::size_t k = 0; k < w_.size(); ++k) {
+    const std::size_t kept = places_.size();
+    index_.push_back(static_cast<std::uint32_t>(kept));
+    if (std::isnan(w_[k])) continue;
+    places_.push_back(s_[k]);
+    w_[kept] = w_[k];
   }
+  w_.resize(places_.size());
   s_ = places_;
 }
 

@@ -64,10 +64,9 @@ public:
   }
 
 private:
-  void leave_out_holes(std::span<const double> places, double base);
+  void leave_out_holes();
 
   std::int64_t first_ = 0; // row
-  std::vector<float> raw_; // all rows
   std::span<const double> s_;
   std::vector<double> w_, places_;
   std::vector<std::uint32_t> index_; // of each row; empty: there are no holes
