@@ -1,7 +1,7 @@
 // Which classes the counts of a table are sent as: those for which table and tokens together are cheapest.
 // SPDX-License-Identifier: Apache-2.0
-#include "pipeline/codec/avx2.hpp"
 #include "pipeline/codec/frequencies.hpp"
+#include "pipeline/model/avx2.hpp"
 
 #include <algorithm>
 #include <cstdlib>

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/codec/kernels.hpp"
 
-#include "pipeline/codec/avx2.hpp"
 #include "pipeline/codec/tokens.hpp"
+#include "pipeline/model/avx2.hpp"
 
 #include <algorithm>
 #include <array>

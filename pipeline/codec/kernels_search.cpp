@@ -1,7 +1,7 @@
 // Loops for vector units that look for the first value out of order.
 // SPDX-License-Identifier: Apache-2.0
-#include "pipeline/codec/avx2.hpp"
 #include "pipeline/codec/kernels.hpp"
+#include "pipeline/model/avx2.hpp"
 
 #include <algorithm>
 #include <bit>

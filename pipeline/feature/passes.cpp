@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/feature/passes.hpp"
 
+#include "pipeline/model/avx2.hpp"
+
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -254,17 +256,9 @@ SCANSION_AVX2 void lower_avx2(const double* from, double base, float* to, std::s
   lower_body(from, base, to, n);
 }
 
-bool has_avx2() noexcept {
-  static const bool has = __builtin_cpu_supports("avx2") != 0;
-  return has;
-}
-
 #undef SCANSION_AVX2
 #else
 
-bool has_avx2() noexcept {
-  return false;
-}
 template <typename T>
 std::size_t apart_avx2(const T* a, const T* b, T limit, std::uint32_t* indexes, std::size_t n) noexcept {
   return apart_body(a, b, limit, indexes, 0, n);
