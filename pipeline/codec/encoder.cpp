@@ -299,30 +299,33 @@ bool GroupEncoder::Impl::write_plain_axis(const LineGroup& group, std::size_t ax
   constexpr std::size_t kPart = 1024;
   const auto& u = state.u[axis];
   const std::size_t all = u.size() - state.known.size();
-  const auto put = [&](RestMode mode, std::size_t most) {
+  // The first residuals of a mode, and about how many bits they are of.
+  const auto take = [&](RestMode mode, std::size_t most) {
     leftovers.clear();
     visit_rest(group, state.known, neighbours,
                [&](const RestLine& line, PointIndex run_first, PointIndex from, PointIndex end) {
                  for (PointIndex i = from; i < end && leftovers.size() < most; ++i)
                    leftovers.push_back(wrap(std::int64_t{u[i]} -
                                             predict_plain(mode, neighbours, line, u, rest_axes[axis].chord, run_first, i)));
+                 return leftovers.size() < most;
                });
+    std::uint64_t bits = 0;
+    for (const std::int64_t residual : leftovers) bits += log2_fixed(fold(static_cast<std::int32_t>(residual)) / 2 + 1);
+    return bits;
+  };
+  const auto put = [&](RestMode mode) {
     plain.assign(1, static_cast<std::byte>(mode));
     planes.put_planes(plain, leftovers);
   };
   if (fitted_size < all / 16) return false; // next to nothing
   const std::size_t part = std::min(all, std::max<std::size_t>(256, std::min(kPart, all / 16)));
-  RestMode best = RestMode::left;
-  std::size_t least = std::numeric_limits<std::size_t>::max();
-  for (const RestMode mode : {RestMode::left, RestMode::slope}) {
-    put(mode, part);
-    if (plain.size() < least) {
-      least = plain.size();
-      best = mode;
-    }
-  }
-  if (least * all > fitted_size * part + fitted_size * part / 8) return false;
-  put(best, all);
+  const std::uint64_t left_bits = take(RestMode::left, part);
+  const RestMode best = take(RestMode::slope, part) < left_bits ? RestMode::slope : RestMode::left;
+  if (best == RestMode::left) (void)take(best, part);
+  put(best);
+  if (plain.size() * all > fitted_size * part + fitted_size * part / 8) return false;
+  (void)take(best, all);
+  put(best);
   return plain.size() < fitted_size;
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numeric>
 
 namespace scansion {
 namespace {
@@ -46,6 +47,32 @@ std::int64_t predict(std::int64_t turn, std::int64_t one_before, std::int64_t tw
 
 } // namespace
 
+// Points by angle: a radix sort by its upper bits, then whatever shares these by all of them.
+void FanFinder::sort_by_angle() {
+  constexpr unsigned kDigit = 11;
+  constexpr unsigned kKeyBits = 31; // the angle goes from -2 to 2
+  constexpr unsigned kFirst = 32 + kKeyBits + 1 - 2 * kDigit;
+  keys_.clear();
+  for (const Point& p : points_) keys_.push_back(static_cast<std::uint64_t>((p.turn + 2) * 0x1p29) << 32U | p.index);
+  sorted_keys_.resize(keys_.size());
+  for (const unsigned shift : {kFirst, kFirst + kDigit}) {
+    std::array<std::uint32_t, (1U << kDigit) + 1> starts{};
+    const auto digit = [&](std::uint64_t key) { return key >> shift & ((1U << kDigit) - 1); };
+    for (const std::uint64_t key : keys_) ++starts[digit(key) + 1];
+    std::partial_sum(starts.begin(), starts.end(), starts.begin());
+    for (const std::uint64_t key : keys_) sorted_keys_[starts[digit(key)]++] = key;
+    keys_.swap(sorted_keys_);
+  }
+  for (std::size_t from = 0, to = 0; from < keys_.size(); from = to) {
+    while (to < keys_.size() && keys_[to] >> kFirst == keys_[from] >> kFirst) ++to;
+    if (to - from > 1)
+      std::sort(keys_.begin() + static_cast<std::ptrdiff_t>(from), keys_.begin() + static_cast<std::ptrdiff_t>(to));
+  }
+  by_index_.swap(points_);
+  points_.clear();
+  for (const std::uint64_t key : keys_) points_.push_back(by_index_[static_cast<std::uint32_t>(key)]);
+}
+
 // Points by angle, cut into directions.
 bool FanFinder::sort_out(std::span<const std::int32_t> x, std::span<const std::int32_t> y) {
   points_.clear();
@@ -55,8 +82,7 @@ bool FanFinder::sort_out(std::span<const std::int32_t> x, std::span<const std::i
     const double part = y[i] / size;
     points_.push_back({x[i] >= 0 ? part : (y[i] >= 0 ? 2 - part : -2 - part), size, i});
   }
-  std::ranges::sort(points_,
-                    [](const Point& a, const Point& b) { return a.turn != b.turn ? a.turn < b.turn : a.index < b.index; });
+  sort_by_angle();
   starts_.assign(1, 0);
   constexpr double kCounts = 4; // two points of one direction are never farther apart
   for (std::uint32_t p = 1; p < points_.size(); ++p)
@@ -72,7 +98,7 @@ bool FanFinder::fit(std::span<const std::int32_t> x, std::span<const std::int32_
   ranges.resize(x.size());
   directions.resize(x.size());
   for (std::size_t i = 0; i < x.size(); ++i) {
-    ranges[i] = static_cast<std::int32_t>(std::lround(length(x[i], y[i]) / step_));
+    ranges[i] = static_cast<std::int32_t>(length(x[i], y[i]) / step_ + 0.5);
     longest = std::max(longest, ranges[i]);
   }
   constexpr unsigned kSpareBits = 6;

@@ -47,14 +47,16 @@ private:
     std::uint32_t index;
   };
   [[nodiscard]] bool sort_out(std::span<const std::int32_t> x, std::span<const std::int32_t> y);
+  void sort_by_angle();
   [[nodiscard]] bool fit(std::span<const std::int32_t> x, std::span<const std::int32_t> y, Fan& fan);
 
   void find_turn(Fan& fan);
 
   double step_ = 0; ///< counts a range step
   std::vector<double> turns_;
-  std::vector<Point> points_;
-  std::vector<std::uint32_t> starts_; ///< of the directions in points_, and the end
+  std::vector<Point> points_, by_index_;
+  std::vector<std::uint64_t> keys_, sorted_keys_; ///< angle, then index
+  std::vector<std::uint32_t> starts_;             ///< of the directions in points_, and the end
 };
 
 void write_fan(const Fan& fan, Bytes& to);

@@ -5,6 +5,8 @@
 #include "pipeline/codec/rest_model.hpp"
 #include "pipeline/codec/symbols.hpp"
 
+#include <type_traits>
+
 namespace scansion {
 
 /// Residuals of one run and their contexts, scratch.
@@ -38,7 +40,8 @@ void take_fitted(const LineGroup& group, std::span<const PointIndex> vertices, c
   return u[i - 1];
 }
 
-/// Visits the stretches of points that are no vertices: code(line, first point of the run, first point, end).
+/// Visits the stretches of points that are no vertices: code(line, first point of the run, first point, end). A false from it
+/// ends that.
 template <class Code>
 void visit_rest(const LineGroup& group, std::span<const PointIndex> vertices, const Neighbours& neighbours, Code&& code) {
   std::size_t v = 0;
@@ -47,7 +50,14 @@ void visit_rest(const LineGroup& group, std::span<const PointIndex> vertices, co
     for (; r < group.runs.size() && group.runs[r].first < line.end; ++r, ++v) {
       const PointIndex first = group.runs[r].first;
       for (const PointIndex last = first + group.runs[r].count - 1; vertices[v] != last; ++v)
-        if (vertices[v] + 1 < vertices[v + 1]) code(line, first, vertices[v] + 1, vertices[v + 1]);
+        if (vertices[v] + 1 < vertices[v + 1]) {
+          const auto visit = [&] { return code(line, first, vertices[v] + 1, vertices[v + 1]); };
+          if constexpr (std::is_same_v<decltype(visit()), bool>) {
+            if (!visit()) return;
+          } else {
+            visit();
+          }
+        }
     }
 }
 
