@@ -98,7 +98,7 @@ bool FanFinder::fit(std::span<const std::int32_t> x, std::span<const std::int32_
   ranges.resize(x.size());
   directions.resize(x.size());
   for (std::size_t i = 0; i < x.size(); ++i) {
-    ranges[i] = static_cast<std::int32_t>(length(x[i], y[i]) / step_ + 0.5);
+    ranges[i] = static_cast<std::int32_t>(std::lround(length(x[i], y[i]) / step_));
     longest = std::max(longest, ranges[i]);
   }
   constexpr unsigned kSpareBits = 6;

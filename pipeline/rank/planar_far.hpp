@@ -20,6 +20,24 @@ public:
   // A dot product has two products of at most span^2 and their sum: off by 2^-51 of that. The bound is generous.
   PlanarFar(const VectorJob& job, std::uint32_t span) : job_(job), dot_off_(kLong ? 0x1p-49 * span * span : 0.0) {}
 
+  /// One inner point. Spans below 2^30 leave room for all sums in 64 bits.
+  void find_one(Batch& batch, unsigned i) const {
+    const auto [a, b] = batch.interval[i];
+    const std::int64_t eu = std::int64_t{job_.u[b]} - job_.u[a];
+    const std::int64_t ev = std::int64_t{job_.v[b]} - job_.v[a];
+    std::int64_t du = std::int64_t{job_.u[a + 1]} - job_.u[a];
+    std::int64_t dv = std::int64_t{job_.v[a + 1]} - job_.v[a];
+    const std::int64_t dot = du * eu + dv * ev;
+    const std::int64_t length = eu * eu + ev * ev;
+    const auto cross = static_cast<double>(eu * dv - ev * du);
+    const bool ahead = dot > 0;
+    du -= ahead ? eu : 0;
+    dv -= ahead ? ev : 0;
+    const bool inside = ahead && dot < length;
+    batch.put(i, a + 1, inside ? cross * cross : static_cast<double>(du * du + dv * dv),
+              inside ? static_cast<double>(length) : 1.0);
+  }
+
   /// Up to kInner inner points.
   template <unsigned kInner>
   void find_short(Batch& batch, unsigned i) const {

@@ -15,19 +15,20 @@ namespace {
 template <bool kLong>
 class PlanarSearch {
 public:
-  // Up to 14 inner points exactly; up to 32, 64, more; then, for those that reach too far for 16 bits, up to 8, 16, more.
+  // Up to 14 inner points exactly; up to 32, 64, more; then, for those that reach too far for 16 bits, one, up to 8, 16, more.
   static constexpr unsigned kExact = kShortClasses;
   static constexpr unsigned kShort32 = 15;
   static constexpr unsigned kShort64 = 16;
   static constexpr unsigned kMore = 17;
-  static constexpr unsigned kFar8 = 18;
-  static constexpr unsigned kFar16 = 19;
-  static constexpr unsigned kFar = 20;
-  static constexpr unsigned kClasses = 21;
+  static constexpr unsigned kFar1 = 18;
+  static constexpr unsigned kFar8 = 19;
+  static constexpr unsigned kFar16 = 20;
+  static constexpr unsigned kFar = 21;
+  static constexpr unsigned kClasses = 22;
   static constexpr std::int32_t kShortReach = 1 << 15;
 
   static std::uint32_t least_inner(unsigned c) {
-    constexpr std::uint32_t kLeast[kClasses - kExact] = {kExact, kExact + 1, 33, 65, 1, 9, 17};
+    constexpr std::uint32_t kLeast[kClasses - kExact] = {kExact, kExact + 1, 33, 65, 1, 2, 9, 17};
     return c < kExact ? c : kLeast[c - kExact];
   }
 
@@ -61,7 +62,7 @@ public:
   // The same for the parts of an interval of class c: those of short ones are short.
   template <unsigned c>
   [[nodiscard]] unsigned class_of_part(std::uint32_t a, std::uint32_t b) const {
-    if constexpr (c >= kFar8) return class_of(a, b);
+    if constexpr (c >= kFar1) return class_of(a, b);
     if constexpr (c == kMore) return kClassOf.in_halves[smaller(b - a, ClassOfLength::kLongest)];
     return kClassOf.in_halves[b - a];
   }
@@ -73,14 +74,16 @@ public:
     if constexpr (c == kShort64) find_short<Lanes, 64>(batch, count);
     if constexpr (c < kMore) return;
     for (unsigned i = 0; i < count; ++i) {
-      if (c != kFar8 && c != kFar16 && guarded(batch, i)) {
+      if ((c == kMore || c == kFar) && guarded(batch, i)) {
         if constexpr (c == kMore) batch.set_apart(i);
         continue;
       }
       if constexpr (c == kMore) {
         find_more(batch, i);
       } else {
-        if constexpr (c == kFar8)
+        if constexpr (c == kFar1)
+          far_.find_one(batch, i);
+        else if constexpr (c == kFar8)
           far_.template find_short<8>(batch, i);
         else if constexpr (c == kFar16)
           far_.template find_short<16>(batch, i);
@@ -118,7 +121,11 @@ private:
                                                       : inner <= 32   ? kShort32
                                                       : inner <= 64   ? kShort64
                                                                       : kMore);
-      r.in_doubles[length] = static_cast<std::uint8_t>(inner == 0 ? 0 : inner <= 8 ? kFar8 : inner <= 16 ? kFar16 : kFar);
+      r.in_doubles[length] = static_cast<std::uint8_t>(inner == 0    ? 0
+                                                       : inner == 1  ? kFar1
+                                                       : inner <= 8  ? kFar8
+                                                       : inner <= 16 ? kFar16
+                                                                     : kFar);
     }
     return r;
   }

@@ -27,27 +27,46 @@ Found search_exactly(const VectorJob& job, std::uint32_t a, std::uint32_t b) {
   return job.wide ? search(Wide{job.u, job.v, job.w}) : search(Spatial{job.u, job.v, job.w});
 }
 
-// For runs of long span: cross products of 67 bits at most, which nearly always have less than 63.
-Found measure_exactly(const VectorJob& job, std::uint32_t a, std::uint32_t b, std::uint32_t k) {
-  const auto step = [&](const std::int32_t* axis, std::uint32_t to) { return exact::I128{axis[to]} - axis[a]; };
-  const exact::I128 e[3] = {step(job.u, b), step(job.v, b), step(job.w, b)};
-  const exact::I128 d[3] = {step(job.u, k), step(job.v, k), step(job.w, k)};
+// A point whose chord and way from its first end span less than 2^29 counts: products of two differences, and their sums, fit
+// 64 bits.
+Found measure_narrow(const std::int64_t* e, const std::int64_t* d, std::uint32_t k) {
+  const auto square = [](const std::int64_t* p) { return static_cast<std::uint64_t>(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]); };
+  const std::int64_t dot = e[0] * d[0] + e[1] * d[1] + e[2] * d[2];
+  const std::uint64_t length = square(e);
+  if (dot <= 0) return {k, static_cast<double>(square(d)), 1.0};
+  if (static_cast<std::uint64_t>(dot) >= length) {
+    const std::int64_t f[3] = {d[0] - e[0], d[1] - e[1], d[2] - e[2]};
+    return {k, static_cast<double>(square(f)), 1.0};
+  }
   exact::U128 sum = 0;
-  bool fits = true;
   for (std::size_t i = 0; i < 3; ++i) {
     const std::size_t j = (i + 1) % 3;
-    const exact::I128 c = e[i] * d[j] - e[j] * d[i];
+    const std::int64_t c = e[i] * d[j] - e[j] * d[i];
     const auto magnitude = static_cast<exact::U128>(c < 0 ? -c : c);
-    fits &= magnitude >> 63U == 0;
     sum += magnitude * magnitude;
   }
-  const auto length = static_cast<exact::U128>(e[0] * e[0] + e[1] * e[1] + e[2] * e[2]);
-  if (fits) return {k, exact::nearest_double(sum), exact::nearest_double(length)};
+  return {k, exact::nearest_double(sum), static_cast<double>(length)};
+}
+
+// For lone points, and those of runs of long span.
+Found measure_exactly(const VectorJob& job, std::uint32_t a, std::uint32_t b, std::uint32_t k) {
+  constexpr std::int64_t kNarrow = std::int64_t{1} << 29;
+  const std::int32_t* const axes[3] = {job.u, job.v, job.w};
+  std::int64_t e[3];
+  std::int64_t d[3];
+  bool narrow = true;
+  for (std::size_t i = 0; i < 3; ++i) {
+    e[i] = std::int64_t{axes[i][b]} - axes[i][a];
+    d[i] = std::int64_t{axes[i][k]} - axes[i][a];
+    narrow &= std::abs(e[i]) < kNarrow && std::abs(d[i]) < kNarrow;
+  }
+  if (narrow) return measure_narrow(e, d, k);
   const Wide kernel{job.u, job.v, job.w};
+  const auto chord = kernel.chord(a, b);
   Wide::Cross cross;
   Wide::Beyond beyond;
-  (void)kernel.measure(kernel.chord(a, b), k, cross, beyond);
-  return {k, exact::nearest_double(cross), exact::nearest_double(length)};
+  if (!kernel.measure(chord, k, cross, beyond)) return {k, exact::nearest_double(beyond), 1.0};
+  return {k, exact::nearest_double(cross), exact::nearest_double(chord.length)};
 }
 
 // The guard of one job; the tree is made for the first interval that needs it.

@@ -16,9 +16,9 @@ class SpatialSearch {
 public:
   static constexpr std::uint32_t kWide = 1U << 25U;
   static constexpr unsigned kExact = 0;
-  static constexpr unsigned kClasses = 4; // up to 8 inner points, 16, more
+  static constexpr unsigned kClasses = 5; // one inner point, up to 8, 16, more
   static std::uint32_t least_inner(unsigned c) {
-    constexpr std::uint32_t kLeast[kClasses] = {0, 1, 9, 17};
+    constexpr std::uint32_t kLeast[kClasses] = {0, 1, 2, 9, 17};
     return kLeast[c];
   }
 
@@ -32,7 +32,7 @@ public:
 
   [[nodiscard]] static unsigned class_of(std::uint32_t a, std::uint32_t b) {
     const std::uint32_t inner = b - a - 1;
-    return (inner > 0 ? 1U : 0U) + (inner > 8 ? 1U : 0U) + (inner > 16 ? 1U : 0U);
+    return (inner > 0 ? 1U : 0U) + (inner > 1 ? 1U : 0U) + (inner > 8 ? 1U : 0U) + (inner > 16 ? 1U : 0U);
   }
 
   template <unsigned c>
@@ -44,8 +44,10 @@ public:
   void find(Batch& batch, unsigned count) {
     for (unsigned i = 0; i < count; ++i) {
       if constexpr (c == 1)
-        find_short<8>(batch, i);
+        batch.put(i, job_.measure(job_, batch.interval[i].a, batch.interval[i].b, batch.interval[i].a + 1));
       else if constexpr (c == 2)
+        find_short<8>(batch, i);
+      else if constexpr (c == 3)
         find_short<16>(batch, i);
       else
         find_more(batch, i);

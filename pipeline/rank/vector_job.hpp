@@ -58,7 +58,7 @@ struct VectorJob {
   Waiting* waiting;     ///< waiting_intervals(n)
 
   Search exact; ///< searches any interval, point after point
-  /// The exact distance of point k, which is inside the ends of the chord.
+  /// The exact distance of point k of a run in space.
   Found (*measure)(const VectorJob& job, std::uint32_t a, std::uint32_t b, std::uint32_t k);
   Search guarded; ///< the same for long planar intervals once the work has passed its limit
   void* guard;    ///< for `guarded`
@@ -76,9 +76,10 @@ inline constexpr std::size_t kShortClasses = 14;
 inline constexpr std::size_t kShortWaiting = std::size_t{1} << 15U;
 
 [[nodiscard]] constexpr std::size_t waiting_intervals(std::size_t n) noexcept {
-  // Up to n + n / 2 long ones; n / k of k inner points, but short ones wait kShortWaiting at a time at most.
+  // Up to 2 n long ones, by the least that each class has; n / k of k inner points, but short ones wait kShortWaiting at a time
+  // at most.
   const std::size_t some = n / 2 * 7;
-  return n + n / 2 + (some < kShortClasses * kShortWaiting ? some : kShortClasses * kShortWaiting) + 1024;
+  return 2 * n + (some < kShortClasses * kShortWaiting ? some : kShortClasses * kShortWaiting) + 1024;
 }
 
 /// All give the same results.
