@@ -273,8 +273,9 @@ void GroupEncoder::Impl::write_rest_axis(const LineGroup& group, std::size_t axi
   constexpr std::size_t kSample = 2048;
   const auto& u = state.u[axis];
   RestAxis& at = rest_axes[axis];
-  constexpr std::size_t kLeastStride = 16; // of a small group fewer are enough
-  const std::size_t stride = std::max(kLeastStride, u.size() / kSample);
+  // Of a small group fewer are enough: there the fit is a large part of all work.
+  constexpr std::size_t kSmallGroup = 12'288;
+  const std::size_t stride = u.size() < kSmallGroup ? 16 : std::max<std::size_t>(6, u.size() / kSample);
   PointIndex sample = 0;
   at.fill(group.runs, state.known, u);
   fit.clear();
