@@ -14,7 +14,7 @@ int main(int argc, char** argv) {
     if (i < 40)
       for (std::uint64_t l = 0; l < 4; ++l) append_line(group, l, test::make_line(random, 2, 40, i % 3 == 0));
     else
-      group = test::make_special(random, static_cast<test::Special>(i % 3), 12, 60);
+      group = test::make_special(random, static_cast<test::Special>(i % static_cast<int>(test::Special::specials)), 12, 60);
     Pipeline pipeline(LevelSpec{}, Rational{1, 1000}, 5);
     EncodedGroup encoded;
     pipeline.process(group, encoded);

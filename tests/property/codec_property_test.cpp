@@ -113,8 +113,9 @@ TEST(CodecProperty, MixedGroupsDoNotInheritFromEachOther) {
   Random random(6);
   RoundTrip one;
   for (int round = 0; round < 40; ++round) {
-    const LineGroup group = round % 2 == 0 ? make_special(random, static_cast<Special>(round / 2 % 3), 20, 60)
-                                           : random_group(random, 10, 3, 100, round % 4 == 1);
+    const LineGroup group =
+        round % 2 == 0 ? make_special(random, static_cast<Special>(round / 2 % static_cast<int>(Special::specials)), 20, 60)
+                       : random_group(random, 10, 3, 100, round % 4 == 1);
     const AlphaSet alpha = random_alpha(random);
     ASSERT_NO_FATAL_FAILURE(one.expect(group, alpha));
     RoundTrip fresh;
