@@ -204,7 +204,7 @@ void Window::place(Corner& corner, const FitScale& scale) const noexcept {
   if (u * u + v * v > limit * limit) return;
   corner.s += u;
   corner.w += v;
-  if (!corner.fitted) return;
+  if (!corner.fitted || !corner.turning.exceeds(kLeastTurning / kDegrees)) return; // refused anyway
   const BentFlanks flanks{{sums_.of(kBefore), sums_.of(kAfter)},
                           lines.direction(kBefore),
                           lines.direction(kAfter),
