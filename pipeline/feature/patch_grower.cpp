@@ -10,11 +10,12 @@ namespace scansion {
 
 namespace {
 
-constexpr double kWide = 6.0;      // columns
-constexpr double kMostlyCut = 0.4; // share of open columns below which a wide stretch begins a patch
-constexpr double kLarge = 100.0;   // samples: a patch that is not given up for a narrow contact
-constexpr double kNarrow = 0.25;   // of a border: a contact below this joins nothing
-constexpr double kFar = 3.6;       // spacings between rows that have nothing to do with each other
+constexpr double kWide = 6.0;       // columns
+constexpr double kMostlyCut = 0.4;  // share of open columns below which a wide stretch begins a patch
+constexpr double kLarge = 100.0;    // samples: a patch that is not given up for a narrow contact
+constexpr double kNarrow = 0.25;    // of a border: a contact below this joins nothing
+constexpr double kOneSurface = 2.0; // misfit up to which patches lie on one surface
+constexpr double kFar = 3.6;        // spacings between rows that have nothing to do with each other
 
 } // namespace
 
@@ -106,7 +107,9 @@ bool PatchGrower::is_leak(std::uint32_t a, std::uint32_t b, const Sampling& samp
   const auto at = node.borders.find(b);
   if (at == node.borders.end() || at->second.total() <= 0.0) return false;
   if (node.sums.count() < kLarge || graph_.node(b).sums.count() < kLarge) return false;
-  return at->second.contact < std::max(4.0 * sampling.coarse(), kNarrow * at->second.total());
+  if (at->second.contact >= std::max(4.0 * sampling.coarse(), kNarrow * at->second.total())) return false;
+  // What lies on one surface belongs together, however the border between both came about.
+  return node.sums.misfit_with(graph_.node(b).sums, sampling.noise) > kOneSurface;
 }
 
 // A stretch below two patches that a border parts shows that the border was missed here: it is held where it was, for a while.

@@ -154,32 +154,59 @@ std::pair<double, double> PatchSums::box() const noexcept {
   return {side(middle + spread), side(middle - spread)};
 }
 
-void PatchSums::describe(const Frame& frame, const Sampling& sampling, const Vector3& origin, Patch& out) const {
-  const double n = count();
-  const double s0 = s_[1][0] / n, c0 = s_[0][1] / n, w0 = w_[0][0] / n;
-  // Terms 1, s, c, ss, sc, cc about the middle.
-  constexpr std::array<std::array<std::size_t, 2>, 6> kTerms = {{{0, 0}, {1, 0}, {0, 1}, {2, 0}, {1, 1}, {0, 2}}};
-  System m{};
-  for (std::size_t a = 0; a < 6; ++a) {
-    for (std::size_t b = 0; b < 6; ++b) m[a][b] = moment(kTerms[a][0] + kTerms[b][0], kTerms[a][1] + kTerms[b][1], s0, c0);
-    m[a][6] = lifted(kTerms[a][0], kTerms[a][1], s0, c0, w0);
+// Normal equations of terms 1, s, c, ss, sc, cc about the middle of the samples.
+struct PatchSums::Quadric {
+  System equations{};
+  double count = 0.0, s = 0.0, c = 0.0, w = 0.0;
+  double square = 0.0; // of heights about their mean, sum
+
+  [[nodiscard]] std::array<double, 6> solved(std::size_t terms) const { return solve(equations, terms); }
+  // Sum of squares about the best surface of so many terms.
+  [[nodiscard]] double left(std::size_t terms) const {
+    const auto x = solved(terms);
+    double sum = square;
+    for (std::size_t a = 0; a < terms; ++a) sum -= x[a] * equations[a][6];
+    return std::max(0.0, sum);
   }
-  const double square = ww_ - n * w0 * w0;
-  const auto residual = [&](std::size_t terms) {
-    const auto x = solve(m, terms);
-    double left = square;
-    for (std::size_t a = 0; a < terms; ++a) left -= x[a] * m[a][6];
-    return std::sqrt(std::max(0.0, left) / n);
-  };
-  const auto plane = solve(m, 3);
-  const auto quadric = solve(m, 6);
+};
+
+PatchSums::Quadric PatchSums::quadric() const noexcept {
+  constexpr std::array<std::array<std::size_t, 2>, 6> kTerms = {{{0, 0}, {1, 0}, {0, 1}, {2, 0}, {1, 1}, {0, 2}}};
+  Quadric q;
+  q.count = count();
+  q.s = s_[1][0] / q.count;
+  q.c = s_[0][1] / q.count;
+  q.w = w_[0][0] / q.count;
+  for (std::size_t a = 0; a < 6; ++a) {
+    for (std::size_t b = 0; b < 6; ++b)
+      q.equations[a][b] = moment(kTerms[a][0] + kTerms[b][0], kTerms[a][1] + kTerms[b][1], q.s, q.c);
+    q.equations[a][6] = lifted(kTerms[a][0], kTerms[a][1], q.s, q.c, q.w);
+  }
+  q.square = ww_ - q.count * q.w * q.w;
+  return q;
+}
+
+double PatchSums::misfit_with(const PatchSums& other, double noise) const {
+  PatchSums both = *this;
+  both.add(other);
+  const double here = quadric().left(6), there = other.quadric().left(6);
+  const double more = (both.quadric().left(6) - here - there) / std::min(count(), other.count());
+  return more / (noise * noise + std::max(here / count(), there / other.count()));
+}
+
+void PatchSums::describe(const Frame& frame, const Sampling& sampling, const Vector3& origin, Patch& out) const {
+  const Quadric sums = quadric();
+  const double n = sums.count;
+  const auto residual = [&](std::size_t terms) { return std::sqrt(sums.left(terms) / n); };
+  const auto plane = sums.solved(3);
+  const auto quadric = sums.solved(6);
   out.plane_residual_mm = residual(3);
   out.quadric_residual_mm = residual(6);
   const double gs = plane[1], gc = plane[2];
   const double steep = std::sqrt(1.0 + gs * gs + gc * gc);
   out.samples = static_cast<std::uint64_t>(n);
   out.area_mm2 = n * sampling.pitch * sampling.spacing * steep;
-  out.centroid = frame.position(s0, w0, c0);
+  out.centroid = frame.position(sums.s, sums.w, sums.c);
   out.normal = frame.position(-gs / steep, 1.0 / steep, -gc / steep);
   for (std::size_t i = 0; i < 3; ++i) out.centroid[i] += origin[i];
   constexpr double kClose = 2.0; // sigmas of noise

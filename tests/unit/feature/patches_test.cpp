@@ -83,6 +83,24 @@ TEST(Patches, PocketsWithRoundCornersDoNotLeak) {
   }
 }
 
+// A groove that ends shortly before the scan does parts nothing: both sides lie on one surface. Beside a step of the same
+// length they do not.
+TEST(Patches, OneSurfaceAroundTheEndOfAGroove) {
+  constexpr double kEnd = 16.0; // mm, of 18
+  const auto largest = [](const Surface& surface) {
+    std::uint64_t most = 0;
+    for (const auto& [id, samples] : samples_told(Scan(surface, 5.0, 180).run(64))) most = std::max(most, samples);
+    return most;
+  };
+  const auto groove = [](double x, double y) {
+    const double depth = 0.4 * std::min(1.0, kEnd - y), half = 0.12; // mm: a sample or two of it on each line
+    return -std::max(0.0, depth - 0.4 / half * std::abs(x - 9.0 - 0.03 * y));
+  };
+  EXPECT_GT(largest(groove), 34'000U); // of 36,000
+  const auto step = [](double x, double y) { return x > 9.0 && y < kEnd ? 1.0 : 0.0; };
+  EXPECT_LT(largest(step), 25'000U);
+}
+
 TEST(Patches, ATornScanHasNone) {
   const FeatureReport report = Scan(torn, 5.0, 300).run(64);
   EXPECT_LE(report.patches.size(), 3U);
