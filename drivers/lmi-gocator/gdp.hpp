@@ -1,5 +1,6 @@
 // The bytes of LMI's Gocator Data Protocol (GDP) that carry profiles; README.md draws them. Driver and simulator share this
-// page. SPDX-License-Identifier: Apache-2.0
+// page.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <concepts>

@@ -1,5 +1,6 @@
 // How the points that are in no level are predicted: from the polyline, the points to the left and, if that helps, the line
-// before (docs/FORMAT.md, "Rest"). SPDX-License-Identifier: Apache-2.0
+// before (docs/FORMAT.md, "Rest").
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "pipeline/codec/group_state.hpp"

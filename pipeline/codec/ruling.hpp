@@ -1,5 +1,6 @@
 // Ruled axes: every coordinate lies on a rounded multiple of one pitch, and samples may be missing: rasters with holes, evenly
-// spaced abscissae that were rounded to decimals (docs/FORMAT.md, "Ruled axes"). SPDX-License-Identifier: Apache-2.0
+// spaced abscissae that were rounded to decimals (docs/FORMAT.md, "Ruled axes").
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "pipeline/codec/symbols.hpp"

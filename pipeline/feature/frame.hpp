@@ -1,5 +1,6 @@
 // The frame in which profiles are looked at: along the scan line, up in its plane, across the lines (docs/FEATURES.md,
-// "Frame"). SPDX-License-Identifier: Apache-2.0
+// "Frame").
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "pipeline/model/scan_line.hpp"

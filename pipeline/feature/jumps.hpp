@@ -1,5 +1,6 @@
 // Walls that stand between two samples: they part patches where no feature line was found, and say exactly where one parts them
-// (docs/FEATURES.md, "Patches"). SPDX-License-Identifier: Apache-2.0
+// (docs/FEATURES.md, "Patches").
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "pipeline/feature/cuts.hpp"

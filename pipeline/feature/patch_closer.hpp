@@ -1,5 +1,6 @@
 // Ends patches: what is too small goes to its neighbours, the rest is told of with its shape and form (docs/FEATURES.md,
-// "Patches"). SPDX-License-Identifier: Apache-2.0
+// "Patches").
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "pipeline/feature/patch_graph.hpp"

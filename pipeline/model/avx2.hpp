@@ -1,4 +1,5 @@
-// Whether the processor has AVX2, asked once. SPDX-License-Identifier: Apache-2.0
+// Whether the processor has AVX2, asked once.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 namespace scansion {

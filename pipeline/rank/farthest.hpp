@@ -1,5 +1,6 @@
 // The farthest point of one interval, one point after the other: right for every kernel, and what the vector searches fall back
-// to. SPDX-License-Identifier: Apache-2.0
+// to.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "pipeline/rank/chord.hpp"

@@ -1,6 +1,7 @@
 // Farthest points of planar intervals in doubles, which are exact while spans stay below 2^26 counts. Of longer runs that are
 // less wide than long (kLong) cross products are still exact; dot products are not, so what lies beyond an end or too near to
-// one is searched point by point. Included by the units of each instruction set. SPDX-License-Identifier: Apache-2.0
+// one is searched point by point. Included by the units of each instruction set.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "pipeline/rank/lanes.hpp"

@@ -1,5 +1,6 @@
 // Points by distance descending, depth, index: a radix sort by the leading bits of distance and depth, then whatever is left.
-// Included by the units of each instruction set. SPDX-License-Identifier: Apache-2.0
+// Included by the units of each instruction set.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "pipeline/rank/order_job.hpp"

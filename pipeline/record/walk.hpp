@@ -1,5 +1,6 @@
 // Walks a recording from front to back, also where it is broken: intact blocks, groups found by their mark in broken stretches,
-// and the stretches themselves. SPDX-License-Identifier: Apache-2.0
+// and the stretches themselves.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "pipeline/record/group_check.hpp"

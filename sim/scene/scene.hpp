@@ -1,5 +1,6 @@
 // A synthetic part: a smooth base surface and features with exact outlines and cross-sections, and how it is scanned by
-// default. SPDX-License-Identifier: Apache-2.0
+// default.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "sim/scene/base_surface.hpp"

@@ -1,5 +1,6 @@
 // Other programs' Douglas-Peucker, each answering one tolerance. They are plane: they get the two axes on which a line spans
-// most. SPDX-License-Identifier: Apache-2.0
+// most.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "tests/bench/plane_lines.hpp"

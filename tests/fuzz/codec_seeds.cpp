@@ -1,5 +1,6 @@
 // Writes seed inputs for codec_fuzz: groups of random lines and of those that have a way of coding for themselves. codec_seeds
-// FOLDER SPDX-License-Identifier: Apache-2.0
+// FOLDER
+// SPDX-License-Identifier: Apache-2.0
 #include "pipeline/pipeline.hpp"
 #include "tests/property/lines.hpp"
 

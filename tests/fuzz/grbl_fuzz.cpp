@@ -1,5 +1,6 @@
 // Any bytes as a controller's answers, any bytes as a host's commands to the simulated one, and both talking while any bytes
-// disturb them. SPDX-License-Identifier: Apache-2.0
+// disturb them.
+// SPDX-License-Identifier: Apache-2.0
 #include "drivers/grbl-probe/session.hpp"
 #include "sim/device/grbl/firmware.hpp"
 

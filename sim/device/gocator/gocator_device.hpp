@@ -1,5 +1,6 @@
 // A Gocator profiler that runs: a stamp and a profile for each frame on its data channel. drivers/lmi-gocator/README.md has the
-// bytes. SPDX-License-Identifier: Apache-2.0
+// bytes.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "drivers/lmi-gocator/gdp.hpp"

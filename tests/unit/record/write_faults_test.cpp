@@ -1,5 +1,6 @@
 // Full disks, torn writes and failing syncs. This program puts its own pwritev, ftruncate and fdatasync in front of the C
-// library's. SPDX-License-Identifier: Apache-2.0
+// library's.
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/unit/record/synthetic.hpp"
 
 #include <cerrno>
