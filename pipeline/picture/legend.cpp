@@ -26,6 +26,12 @@ std::string millimetres_text(double value, double span) {
   return std::string(text.data(), end) + " mm";
 }
 
+// Short: the column beside the map is narrow.
+std::string length_text(double mm) {
+  constexpr double kLong = 10'000.0;
+  return mm < kLong ? general(mm, 4) + " mm" : general(mm / 1000.0, 4) + " m";
+}
+
 double round_length(double mm) {
   const double power = std::pow(10.0, std::floor(std::log10(mm)));
   for (const double step : {5.0, 2.0}) {
@@ -79,7 +85,7 @@ void add_types(Column& column, const std::vector<FeatureLine>& lines) {
   column.row("Feature lines: " + std::to_string(lines.size()));
   for (std::size_t k = 0; k < kFeatureTypes; ++k) {
     const auto type = static_cast<FeatureType>(k);
-    column.row(colour(type), std::string(name(type)) + "  " + std::to_string(count[k]) + ", " + general(length[k], 4) + " mm");
+    column.row(colour(type), std::string(name(type)) + "  " + std::to_string(count[k]) + ", " + length_text(length[k]));
   }
 }
 
