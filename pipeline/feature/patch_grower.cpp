@@ -71,6 +71,13 @@ void PatchGrower::split(const PatchRow& row) {
   }
 }
 
+// Whether the stretch above goes on in this one with nearly all it has, and has enough to tell.
+bool PatchGrower::goes_on(const Contact& contact) const {
+  constexpr double kMost = 0.75;
+  const Stretch& t = above_[contact.above];
+  return contact.open >= 2.0 * kWide && contact.open >= kMost * ((t.s_high - t.s_low) / pitch_ + 1.0);
+}
+
 // Where stretches of this row lie beside those of the row before: columns that nothing cuts, and columns that are cut.
 void PatchGrower::find_contacts() {
   contacts_.clear();
@@ -95,9 +102,11 @@ void PatchGrower::find_contacts() {
       all_cut += cut;
       if (open >= least && open >= kNarrow * (open + cut)) contacts_.push_back({i, j, a.patch, open, cut});
     }
-    // A wall stands along most of it: where it lies beside the wall's ends, it touches nothing.
+    // A wall stands along most of it: where it lies beside the wall's ends, it touches nothing but what goes on there as a
+    // whole.
     if (all_open + all_cut >= kWide && all_open < kMostlyCut * (all_open + all_cut))
-      contacts_.erase(contacts_.begin() + known, contacts_.end());
+      contacts_.erase(std::remove_if(contacts_.begin() + known, contacts_.end(), [&](const Contact& c) { return !goes_on(c); }),
+                      contacts_.end());
   }
 }
 

@@ -50,6 +50,7 @@ private:
   void assign(const PatchRow& row, const PatchRow* next, Cuts& cuts, const Sampling& sampling, FeatureReport& report);
   void split(const PatchRow& row);
   void find_contacts();
+  [[nodiscard]] bool goes_on(const Contact& contact) const;
   bool hold_borders(const PatchRow& row, const Sampling& sampling);
   [[nodiscard]] bool is_leak(std::uint32_t a, std::uint32_t b, const Sampling& sampling);
   void follow_cuts();

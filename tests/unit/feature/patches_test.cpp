@@ -101,6 +101,19 @@ TEST(Patches, OneSurfaceAroundTheEndOfAGroove) {
   EXPECT_LT(largest(step), 25'000U);
 }
 
+// A block takes most of the width: what passes it on both sides is the base behind it.
+TEST(Patches, TheBaseGoesOnBehindAWideBlock) {
+  constexpr double kWall = 0.3; // mm in plan
+  const auto block = [](double x, double y) {
+    const double inside = std::min(8.0 - std::abs(x - 10.0), 4.0 - std::abs(y - 8.0));
+    return std::clamp(inside / kWall, 0.0, 1.0);
+  };
+  std::uint64_t most = 0;
+  for (const auto& [id, samples] : samples_told(Scan(block, 5.0, 180).run(64))) most = std::max(most, samples);
+  EXPECT_GT(most, 22'000U); // the base has 23,200; what lies behind the block 12,000
+  EXPECT_LT(most, 24'000U);
+}
+
 TEST(Patches, ATornScanHasNone) {
   const FeatureReport report = Scan(torn, 5.0, 300).run(64);
   EXPECT_LE(report.patches.size(), 3U);
