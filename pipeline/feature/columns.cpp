@@ -25,7 +25,7 @@ Columns::Columns(const Sampling& sampling) : pitch_(sampling.pitch) {
   wanted_ = FitScale::wanted_window(sampling.noise, sampling.spacing);
   window_ = std::max(kNarrowest, (wanted_ + 2) / 3);
   reach_ = std::max(kReach * window_, kLeastReach);
-  const std::size_t rounding = FitScale::of(sampling.noise, sampling.spacing, sampling.coarse()).widest_gap();
+  const std::size_t rounding = FitScale::of(sampling.noise, sampling.spacing, sampling.coarse()).widest_gap;
   flank_reach_ = std::max(reach_, std::min(kMostFlank, rounding + 2 * wanted_));
   ring_.resize(2 * lag() + 3);
 }

@@ -13,7 +13,6 @@ namespace scansion {
 
 namespace {
 
-constexpr double kTelling = 53.0; // a straight stretch of the root of this times radius and noise is no arc, though cut aslant
 constexpr std::uint32_t kBeyond = 3; // samples by which the end of a rounding may be missed
 
 // A line through `size` samples, `gap` samples from the edge.
@@ -21,6 +20,11 @@ struct Stretch {
   std::uint32_t gap = 0, size = 0;
   Pair middle{};                   // along and up from the edge
   double slope = 0.0, error = 0.0; // sum of squares
+};
+
+// Lines through few samples and through many, which begin together.
+struct FewAndMany {
+  Pair slope, error; // sums of squares times the counts: divisions take longer than all else
 };
 
 // The samples from an edge outwards.
@@ -34,10 +38,10 @@ public:
   [[nodiscard]] double s(std::uint32_t i) const noexcept { return s_[step_ * static_cast<std::ptrdiff_t>(i)]; }
   [[nodiscard]] double w(std::uint32_t i) const noexcept { return w_[step_ * static_cast<std::ptrdiff_t>(i)]; }
   [[nodiscard]] Flank flank(const Stretch& line, bool straight) const noexcept {
-    return {*s_ + line.middle[0], *w_ + line.middle[1], line.slope, length(line), line.size, line.gap, straight};
+    return {*s_ + line.middle[0], *w_ + line.middle[1], line.slope, length(line.gap, line.size), line.size, line.gap, straight};
   }
-  [[nodiscard]] double length(const Stretch& line) const noexcept {
-    return std::abs(s(line.gap + line.size - 1) - s(line.gap));
+  [[nodiscard]] double length(std::uint32_t gap, std::uint32_t size) const noexcept {
+    return std::abs(s(gap + size - 1) - s(gap));
   }
 
 private:
@@ -55,34 +59,52 @@ class Stretches {
 public:
   static constexpr std::uint32_t kMost = 1024; // samples that are looked at
 
-  explicit Stretches(const Side& side) noexcept : side_(side), count_(std::min(side.count(), kMost)) {
-    sums_[0] = Sums{Pair{}, Pair{}, 0.0};
-  }
+  explicit Stretches(const Side& side) noexcept : side_(side), count_(std::min(side.count(), kMost)) { sums_[0] = Sums{}; }
   [[nodiscard]] bool fits(std::uint32_t gap, std::uint32_t size) const noexcept { return gap + size <= count_; }
   [[nodiscard]] Stretch fit(std::uint32_t gap, std::uint32_t size) noexcept {
-    if (made_ < gap + size) extend(gap + size);
+    make(gap + size);
     const Sums &from = sums_[gap], &to = sums_[gap + size];
-    const Pair first = to.first - from.first, middle = first / size;
+    const double u = to.u - from.u, v = to.v - from.v;
+    const Pair middle = Pair{u, v} / size;
     if (size < 3) return {gap, size, middle, 0.0, 0.0};
-    const Pair along = to.along - from.along - middle * first[0]; // uu, uv about the middle
-    const double slope = along[0] > 0.0 ? along[1] / along[0] : 0.0;
-    const double up = to.up - from.up - middle[1] * first[1];
-    return {gap, size, middle, slope, std::max(0.0, up - slope * along[1])};
+    const double uu = to.uu - from.uu - middle[0] * u, uv = to.uv - from.uv - middle[1] * u;
+    const double slope = uu > 0.0 ? uv / uu : 0.0;
+    const double vv = to.vv - from.vv - middle[1] * v;
+    return {gap, size, middle, slope, std::max(0.0, vv - slope * uv)};
+  }
+  // The second one ends where the samples do.
+  [[nodiscard]] FewAndMany fit_both(std::uint32_t gap, std::uint32_t few, std::uint32_t many) noexcept {
+    constexpr double kNothing = 1e-300;
+    const std::uint32_t end = std::min(gap + many, count_);
+    make(end);
+    const Sums &from = sums_[gap], &a = sums_[gap + few], &b = sums_[end];
+    const Pair n{static_cast<double>(few), static_cast<double>(many)};
+    const Pair u = Pair{a.u, b.u} - from.u, v = Pair{a.v, b.v} - from.v;
+    const Pair uu = n * (Pair{a.uu, b.uu} - from.uu) - u * u;
+    const Pair uv = n * (Pair{a.uv, b.uv} - from.uv) - u * v;
+    const Pair vv = n * (Pair{a.vv, b.vv} - from.vv) - v * v;
+    const Pair slope = uv / larger(uu, both(kNothing));
+    return {slope, vv - slope * uv};
   }
 
 private:
   struct Sums {
-    Pair first, along; // u, v; uu, uv
-    double up;         // vv
+    double u, v, uu, uv, vv;
   };
+  void make(std::uint32_t end) noexcept {
+    constexpr std::uint32_t kAtOnce = 4;
+    if (made_ < end) extend(std::min(end + kAtOnce, count_));
+  }
   void extend(std::uint32_t end) noexcept {
-    const Pair origin{side_.s(0), side_.w(0)};
+    const double s0 = side_.s(0), w0 = side_.w(0);
     Sums sums = sums_[made_];
     while (made_ < end) {
-      const Pair place = Pair{side_.s(made_), side_.w(made_)} - origin;
-      sums.first += place;
-      sums.along += place * place[0];
-      sums.up += place[1] * place[1];
+      const double u = side_.s(made_) - s0, v = side_.w(made_) - w0;
+      sums.u += u;
+      sums.v += v;
+      sums.uu += u * u;
+      sums.uv += u * v;
+      sums.vv += v * v;
       sums_[++made_] = sums;
     }
   }
@@ -148,12 +170,14 @@ public:
     any_ = true;
     low_ = std::min(low_, slope);
     high_ = std::max(high_, slope);
+    if (high_ - low_ <= kNever) return false;
     return (is_above(high_, slope, kBack) && is_above(high_, first_, kMove)) ||
            (is_above(slope, low_, kBack) && is_above(first_, low_, kMove));
   }
 
 private:
   static constexpr double kMove = 0.0701, kBack = 0.266; // tangents of 4 and 15 degrees
+  static constexpr double kNever = 0.26;                 // slopes less apart are so by less than 15 degrees, wherever they are
   double first_ = 0.0, low_ = 0.0, high_ = 0.0;          // slopes
   bool any_ = false;
 };
@@ -164,17 +188,19 @@ public:
   FlankSearch(const Side& side, double radius, double sigma) noexcept
       : side_(side), stretches_(side), radius_(radius), sigma_(sigma) {}
 
-  // The first stretch that is straight and long enough to tell: of `size` samples, or of `few` where they are far apart. Else
+  // The stretch of `size` samples beside the edge.
+  [[nodiscard]] Flank beside(std::uint32_t size) noexcept;
+  // The first stretch that is straight and long enough to tell: of `many` samples, or of `few` where they are far apart. Else
   // the first of `few` that is straight, else the straightest of them.
-  [[nodiscard]] Flank first_straight(std::uint32_t few, std::uint32_t size, std::uint32_t most_gap) noexcept;
+  [[nodiscard]] Flank first_straight(std::uint32_t few, std::uint32_t many, std::uint32_t most_gap) noexcept;
   // A longer stretch beyond a flank that a rounding gave: it still sees what is left of the arc.
   [[nodiscard]] Flank longer_stretch(const Flank& flank) noexcept;
 
 private:
   // Whether an arc of this length and slope would show, up to the radius asked for.
-  [[nodiscard]] bool tells(const Stretch& line) const noexcept {
-    const double length = side_.length(line), stretch = 1.0 + line.slope * line.slope;
-    return length * length * stretch * std::sqrt(stretch) >= 16.0 * sigma_ * radius_;
+  [[nodiscard]] bool tells(double length, double slope) const noexcept {
+    const double stretch = 1.0 + slope * slope, square = length * length, least = 16.0 * sigma_ * radius_;
+    return square * square * (stretch * stretch * stretch) >= least * least;
   }
 
   const Side& side_;
@@ -182,30 +208,31 @@ private:
   double radius_, sigma_;
 };
 
-Flank FlankSearch::first_straight(std::uint32_t few, std::uint32_t size, std::uint32_t most_gap) noexcept {
-  const double limit = straight_limit(few, sigma_), long_limit = straight_limit(size, sigma_);
-  Stretch best;
+Flank FlankSearch::beside(std::uint32_t size) noexcept {
+  const Stretch line = stretches_.fit(0, size);
+  return side_.flank(line, line.error <= straight_limit(size, sigma_));
+}
+
+Flank FlankSearch::first_straight(std::uint32_t few, std::uint32_t many, std::uint32_t most_gap) noexcept {
+  const Pair limit{few * straight_limit(few, sigma_), many * straight_limit(many, sigma_)};
+  std::uint32_t best = 0;
   bool straight = false;
   TurningBack passed;
   double least = std::numeric_limits<double>::infinity();
   for (std::uint32_t gap = 0; gap <= most_gap && stretches_.fits(gap, few); ++gap) {
-    const Stretch line = stretches_.fit(gap, few);
-    if (line.error <= limit) {
-      if (tells(line)) return side_.flank(line, true);
-      if (!straight) best = line;
-      straight = true;
-    } else if (!straight && line.error < least) {
-      best = line;
-      least = line.error;
+    const FewAndMany line = stretches_.fit_both(gap, few, many);
+    const bool is_straight = line.error[0] <= limit[0];
+    if (is_straight && tells(side_.length(gap, few), line.slope[0])) return side_.flank(stretches_.fit(gap, few), true);
+    if (!straight && (is_straight || line.error[0] < least)) {
+      best = gap;
+      least = line.error[0];
+      straight = is_straight;
     }
-    // What is not straight over few samples is less so over more.
-    if (size > few && line.error <= long_limit && stretches_.fits(gap, size)) {
-      const Stretch longer = stretches_.fit(gap, size);
-      if (longer.error <= long_limit) return side_.flank(longer, true);
-    }
-    if (passed.turns_back(line.slope)) break;
+    if (line.error[1] <= limit[1] && many > few && stretches_.fits(gap, many))
+      return side_.flank(stretches_.fit(gap, many), true);
+    if (passed.turns_back(line.slope[0])) break;
   }
-  return best.size > 0 ? side_.flank(best, straight) : Flank{};
+  return side_.flank(stretches_.fit(best, few), straight);
 }
 
 Flank FlankSearch::longer_stretch(const Flank& flank) noexcept {
@@ -218,10 +245,6 @@ Flank FlankSearch::longer_stretch(const Flank& flank) noexcept {
   return flank;
 }
 
-double sigma_of(const FitScale& scale) noexcept {
-  return scale.noise + 0.0005;
-}
-
 } // namespace
 
 Flank find_flank(const Heights& h, std::uint32_t from, std::uint32_t to, std::uint32_t window, std::uint32_t most_gap,
@@ -230,15 +253,14 @@ Flank find_flank(const Heights& h, std::uint32_t from, std::uint32_t to, std::ui
   constexpr double kFlatter = 3.0; // radius of what is taken for straight against that of the largest rounding
   const Side side(h, from, to);
   const std::uint32_t size = std::min(window, side.count());
-  const double sigma = sigma_of(scale);
+  const double sigma = scale.sigma();
   const double radius = kFlatter * scale.arc_radius;
   FlankSearch search(side, radius, sigma);
-  if (most_gap == 0) return search.first_straight(size, size, 0);
+  if (most_gap == 0 || size < 3) return search.beside(size);
   // The end of a rounding is straight over a short stretch.
-  const double telling = std::sqrt(kTelling * scale.arc_radius * sigma) / scale.pitch;
-  const auto most = static_cast<std::uint32_t>(std::min(2.0 * size, std::ceil(telling)));
+  const std::uint32_t many = std::max(size, std::min({2 * size, scale.telling_flank, side.count()}));
   const std::uint32_t few = std::min(size, std::max(kFewest, size / 3));
-  Flank best = search.first_straight(few, std::min(std::max(most, size), side.count()), most_gap);
+  Flank best = search.first_straight(few, many, most_gap);
   if (best.straight && best.gap > 0) best = search.longer_stretch(best);
   constexpr double kSmallRounding = 0.35; // mm
   best.rounded = best.straight && best.gap > 0 && (best.gap >= kLeastGap || best.gap * scale.pitch <= kSmallRounding);
@@ -246,7 +268,7 @@ Flank find_flank(const Heights& h, std::uint32_t from, std::uint32_t to, std::ui
 }
 
 bool is_chamfered(const Heights& h, std::uint32_t from, std::uint32_t to, const Flank& flank, const FitScale& scale) {
-  return flank.gap + 1 >= kLeastGap && is_hinged(Side(h, from, to), flank, sigma_of(scale));
+  return flank.gap + 1 >= kLeastGap && is_hinged(Side(h, from, to), flank, scale.sigma());
 }
 
 } // namespace scansion

@@ -291,12 +291,13 @@ FitScale FitScale::of(double noise, double pitch, double coarse) noexcept {
   scale.pitch = pitch;
   scale.least_window = std::max(5U, wanted_window(noise, pitch));
   scale.arc_radius = std::max(3.0, 6.0 * coarse);
+  constexpr double kMost = 400.0;  // samples
+  constexpr double kAslant = 1.6;  // a section aslant shows roundings wider than they are
+  constexpr double kTelling = 53.0; // a straight stretch of the root of this times radius and noise is no arc, though cut aslant
+  scale.widest_gap = static_cast<std::uint32_t>(std::min(kMost, std::ceil(kAslant * scale.arc_radius / pitch)));
+  scale.telling_flank =
+      static_cast<std::uint32_t>(std::min(kMost, std::ceil(std::sqrt(kTelling * scale.arc_radius * scale.sigma()) / pitch)));
   return scale;
-}
-
-std::uint32_t FitScale::widest_gap() const noexcept {
-  constexpr double kAslant = 1.6; // a section aslant shows roundings wider than they are
-  return static_cast<std::uint32_t>(std::min(400.0, std::ceil(kAslant * arc_radius / pitch)));
 }
 
 Bend fit_bend(const Heights& heights, std::uint32_t k, std::uint32_t before, std::uint32_t after, std::uint32_t window,

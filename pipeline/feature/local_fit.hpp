@@ -36,13 +36,15 @@ struct FitScale {
   double noise = 0.0, pitch = 0.0; ///< mm
   std::uint32_t least_window = 5;  ///< N0: samples a side for a slope within 1.5 degrees
   double arc_radius = 3.0;         ///< r_arc: an arc of a larger radius is no feature
+  std::uint32_t widest_gap = 0;    ///< samples from an edge to the flank beyond the widest rounding
+  std::uint32_t telling_flank = 0; ///< samples of a straight stretch that is no part of such a rounding
 
   /// Of a height, mm2: that of the noise and of half a micrometre, by which counts are rounded.
   [[nodiscard]] double variance() const noexcept { return noise * noise + 2.5e-7; }
   /// Samples a side for a slope within 1.5 degrees, at most 24.
   static std::uint32_t wanted_window(double noise, double pitch) noexcept;
-  /// Samples from an edge to the flank beyond the widest rounding.
-  [[nodiscard]] std::uint32_t widest_gap() const noexcept;
+  /// Of a height, mm: that of the noise and of rounding to counts.
+  [[nodiscard]] double sigma() const noexcept { return noise + 0.0005; }
   static FitScale of(double noise, double pitch, double coarse) noexcept;
 };
 

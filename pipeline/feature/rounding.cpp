@@ -35,7 +35,7 @@ RoundingSearch find_rounding(const Heights& h, std::uint32_t k, std::uint32_t fi
   constexpr std::uint32_t kFewest = 4;
   if (k - first < kFewest || last - k < kFewest) return RoundingSearch::none;
   const std::uint32_t size = std::clamp(window, scale.least_window, 2 * scale.least_window);
-  const std::uint32_t most = scale.widest_gap();
+  const std::uint32_t most = scale.widest_gap;
   const Flank l = find_flank(h, k - 1, first, size, most, scale);
   if (!l.straight || l.samples < kFewest) return RoundingSearch::none;
   const Flank r = find_flank(h, k + 1, last, size, most, scale);

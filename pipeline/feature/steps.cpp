@@ -110,7 +110,7 @@ void measure_step(const Heights& h, std::uint32_t begin, std::uint32_t end, std:
   const std::uint32_t low = i > 0 ? std::min(walls[i - 1].last + 1, wall.first) : begin;
   const std::uint32_t high = i + 1 < walls.size() ? std::max(walls[i + 1].first - 1, wall.last) : end - 1;
   const std::uint32_t n = scale.least_window;
-  const std::uint32_t most = scale.widest_gap();
+  const std::uint32_t most = scale.widest_gap;
   // Plateaus leave out the ends of the wall, and what rounds its edges.
   const auto plateau = [&](std::uint32_t foot, std::uint32_t limit) {
     if (foot == limit) return Flank{h.s[foot], h.w[foot], 0.0, 0.0, 0, 0, false};
