@@ -17,6 +17,7 @@ constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 constexpr float kLeastSlopeChange = 0.1228F; // tan 7 degrees
 constexpr double kMostMissed = 3.6;          // spacings within a window
 constexpr std::size_t kMostFlank = 64;       // rows
+constexpr double kCalmer = 0.8;              // walls are marked as if the noise were less: its estimate changes
 
 } // namespace
 
@@ -57,6 +58,9 @@ bool Columns::make_room(double low, double high) {
   std::vector<Rounding> roundings(new_width);
   std::copy(roundings_.begin(), roundings_.end(), roundings.begin() + static_cast<std::ptrdiff_t>(shift));
   roundings_ = std::move(roundings);
+  std::vector<std::uint32_t> marks(new_width, static_cast<std::uint32_t>(next_));
+  std::copy(marks_.begin(), marks_.end(), marks.begin() + static_cast<std::ptrdiff_t>(shift));
+  marks_ = std::move(marks);
   left_ = new_left;
   width_ = new_width;
   view_rows();
@@ -76,6 +80,7 @@ void Columns::add(const Profile& profile, const Sampling& sampling, std::vector<
   std::fill(newest.height.begin(), newest.height.end(), kNone);
   sample_columns(profile, sampling, {pitch_, left_, base_}, newest.height.data(), newest.source.data());
   std::fill(newest.bend.begin(), newest.bend.end(), kNone);
+  mark_walls(r, sampling);
   const auto n = static_cast<std::int64_t>(window_);
   if (r >= n) screen(r - n, sampling);
   const auto late = static_cast<std::int64_t>(lag());
@@ -86,6 +91,24 @@ void Columns::finish(const Sampling& sampling, std::vector<ColumnPoint>& out) {
   const auto n = static_cast<std::int64_t>(window_), late = static_cast<std::int64_t>(lag());
   for (std::int64_t r = std::max<std::int64_t>(first_, next_ - n); r < next_; ++r) screen(r, sampling);
   for (std::int64_t r = std::max<std::int64_t>(first_, next_ - late); r < next_; ++r) harvest(r, sampling, out);
+}
+
+// Notes in which columns a wall may start between the two rows before row r, the newest one.
+void Columns::mark_walls(std::int64_t r, const Sampling& sampling) {
+  constexpr double kRounded = 1e-3; // of a limit: heights of columns are
+  row(r).marked_above = kCalmer * sampling.noise;
+  if (r - first_ < 3) return std::fill(marks_.begin(), marks_.end(), static_cast<std::uint32_t>(r));
+  const WallTest test(kCalmer * sampling.noise);
+  const double ds = row(r - 1).c - row(r - 2).c;
+  const auto limit = [](double rise) { return static_cast<float>((1.0 - kRounded) * rise); };
+  passes::mark_walls({row(r - 3).height.data(), row(r - 2).height.data(), row(r - 1).height.data(), row(r).height.data()},
+                     {limit(test.least_rise(ds)), limit(test.steep_rise(ds)), static_cast<float>((1.0 + kRounded) * WallTest::kLonely)},
+                     static_cast<std::uint32_t>(r - 1), marks_.data(), width_);
+}
+
+// Whether a column may have a wall beyond this row: most have none, and need not be searched.
+bool Columns::has_walls(std::size_t column, std::int64_t from) const noexcept {
+  return !trusted_ || static_cast<std::uint32_t>(next_) - marks_[column] < static_cast<std::uint32_t>(next_ - from);
 }
 
 // Slope after minus slope before for row r: one weighted sum of rows.
@@ -126,7 +149,7 @@ ColumnPoint Columns::column_point(std::int64_t r, std::size_t column, const Feat
 }
 
 // The rows that a fit may use: not beyond those that bend half as much themselves, nor beyond steps.
-Reach Columns::rows_of_bend(std::int64_t row, std::size_t column) const {
+Reach Columns::rows_of_bend(std::int64_t row, std::size_t column, bool walls) const {
   const auto reach = static_cast<std::int64_t>(reach_), near = static_cast<std::int64_t>(window_) / 2;
   const auto bend = [&](std::int64_t k) { return std::abs(rows_[k].bend[column]); };
   const float half = 0.5F * bend(row);
@@ -135,9 +158,9 @@ Reach Columns::rows_of_bend(std::int64_t row, std::size_t column) const {
   };
   const std::int64_t least = std::max<std::int64_t>(0, row - reach), most = std::min(rows_.size() - 1, row + reach);
   std::int64_t low = row, high = row;
-  while (low > least && !rows_.is_of_step(low - 1, column))
+  while (low > least && !(walls && rows_.is_of_step(low - 1, column)))
     if (--low < row - near && peak(low)) break;
-  while (high < most && !rows_.is_of_step(high, column))
+  while (high < most && !(walls && rows_.is_of_step(high, column)))
     if (++high > row + near && peak(high)) break;
   return {static_cast<std::uint32_t>(low), static_cast<std::uint32_t>(high), 0, 0};
 }
@@ -149,7 +172,8 @@ void Columns::measure_bend(std::int64_t r, std::size_t column, const Sampling& s
   const auto row = static_cast<std::uint32_t>(at);
   // The rows of one rounding see the same edge.
   if (r < roundings_[column].end && (rows_[at].bend[column] < 0.0F) == roundings_[column].convex) return;
-  Reach reach = rows_of_bend(at, column);
+  const bool walls = has_walls(column, std::max(first_, r - static_cast<std::int64_t>(flank_reach_)));
+  Reach reach = rows_of_bend(at, column, walls);
   if (row - reach.before < kFewest || reach.after - row < kFewest) return;
   column_.take(rows_, at, static_cast<std::int64_t>(flank_reach_), column, base_);
   const std::uint32_t k = column_.index(at);
@@ -157,7 +181,8 @@ void Columns::measure_bend(std::int64_t r, std::size_t column, const Sampling& s
   reach.before = column_.index(reach.before);
   reach.after = std::min(column_.index(reach.after), reach.last);
   if (k < reach.before + kFewest || k + kFewest > reach.after) return;
-  bound_by_steps(k, scale, reach);
+  walls_.clear();
+  if (walls) bound_by_steps(k, scale, reach);
   if (k <= reach.before || k >= reach.after) return;
   const auto bend = find_bend(column_.heights(), k, reach, scale);
   if (!bend || is_part_of_step(*bend, scale)) return;
@@ -171,7 +196,6 @@ void Columns::measure_bend(std::int64_t r, std::size_t column, const Sampling& s
 
 // No fit reaches beyond a step.
 void Columns::bound_by_steps(std::uint32_t k, const FitScale& scale, Reach& reach) {
-  walls_.clear();
   find_walls(column_.heights(), 0, column_.size(), scale, walls_);
   for (const WallRun& wall : walls_) {
     if (!wall.step) continue;
@@ -234,6 +258,8 @@ void Columns::harvest(std::int64_t r, const Sampling& sampling, std::vector<Colu
   const auto near = std::max<std::int64_t>(1, static_cast<std::int64_t>(wanted_) / 2);
   const WallTest test(scale);
   rows_.set_test(test);
+  trusted_ = true;
+  for (std::int64_t k = first_; k < next_; ++k) trusted_ = trusted_ && row(k).marked_above <= sampling.noise;
   const std::int64_t at = r - first_;
   const ColumnRow& centre = rows_[at];
   const ColumnRow& next = at + 1 < rows_.size() ? rows_[at + 1] : centre;
@@ -244,7 +270,7 @@ void Columns::harvest(std::int64_t r, const Sampling& sampling, std::vector<Colu
       passes::bent_or_stepped(centre.bend, centre.height, next.height, {least, wall}, shown_.data(), width_);
   for (const std::uint32_t j : std::span(shown_).first(shown)) {
     if (std::abs(centre.bend[j]) >= least && bends_most(at, j, near)) measure_bend(r, j, sampling, scale, out);
-    if (std::abs(next.height[j] - centre.height[j]) > wall && rows_.starts_step(at, j)) measure_step(r, j, scale, out);
+    if (std::abs(next.height[j] - centre.height[j]) > wall && has_walls(j, r) && rows_.starts_step(at, j)) measure_step(r, j, scale, out);
   }
 }
 

@@ -42,6 +42,7 @@ private:
 
   struct Row {
     double c = 0.0;
+    double marked_above = 0.0; // noise: walls were marked as with this
     std::uint64_t line = 0;
     std::vector<std::uint32_t> source; // sample of the scan line
     std::vector<float> height;         // NaN where there is none; relative to base_
@@ -57,13 +58,15 @@ private:
   [[nodiscard]] bool has(std::int64_t r) const noexcept { return r >= first_ && r < next_; }
 
   [[nodiscard]] bool make_room(double low, double high);
+  void mark_walls(std::int64_t r, const Sampling& sampling);
+  [[nodiscard]] bool has_walls(std::size_t column, std::int64_t from) const noexcept;
   void screen(std::int64_t r, const Sampling& sampling);
   void view_rows();
   void harvest(std::int64_t r, const Sampling& sampling, std::vector<ColumnPoint>& out);
   [[nodiscard]] bool bends_most(std::int64_t row, std::size_t column, std::int64_t near) const;
   void measure_bend(std::int64_t r, std::size_t column, const Sampling& sampling, const FitScale& scale,
                     std::vector<ColumnPoint>& out);
-  [[nodiscard]] Reach rows_of_bend(std::int64_t row, std::size_t column) const;
+  [[nodiscard]] Reach rows_of_bend(std::int64_t row, std::size_t column, bool walls) const;
   void bound_by_steps(std::uint32_t k, const FitScale& scale, Reach& reach);
   [[nodiscard]] bool is_part_of_step(const Bend& bend, const FitScale& scale);
   void measure_step(std::int64_t r, std::size_t column, const FitScale& scale, std::vector<ColumnPoint>& out);
@@ -78,6 +81,8 @@ private:
   std::size_t width_ = 0;        // columns
   std::vector<Row> ring_;
   std::vector<Rounding> roundings_;   // of each column
+  std::vector<std::uint32_t> marks_;  // of each column: number of the row before which a wall may have started last
+  bool trusted_ = false;              // marks hold for the noise as it is
   std::int64_t first_ = 0, next_ = 0; // rows held
   std::vector<const float*> weighed_; // rows in slopes
   std::vector<float> weights_;        // of these

@@ -69,6 +69,21 @@ SCANSION_INLINE std::size_t bent_or_stepped_body(const float* bend, const float*
   return found;
 }
 
+SCANSION_INLINE void mark_walls_body(const std::array<const float*, 4>& rows, const WallLimits& limits, std::uint32_t mark,
+                                     std::uint32_t* __restrict marks, std::size_t n) noexcept {
+  const float* __restrict a = rows[0];
+  const float* __restrict b = rows[1];
+  const float* __restrict c = rows[2];
+  const float* __restrict d = rows[3];
+  const float weak = limits.weak, steep = limits.steep, lonely = limits.lonely;
+  for (std::size_t k = 0; k < n; ++k) {
+    const float step = std::abs(c[k] - b[k]), least = lonely * step;
+    const bool goes_on = (std::abs(b[k] - a[k]) >= least) | (std::abs(d[k] - c[k]) >= least);
+    const bool none = (step <= weak) | ((step <= steep) & goes_on);
+    marks[k] = none ? marks[k] : mark;
+  }
+}
+
 SCANSION_INLINE std::size_t reaching_body(const double* values, double limit, std::uint32_t* indexes, std::size_t from,
                                           std::size_t n) noexcept {
   std::size_t found = 0;
@@ -252,6 +267,10 @@ SCANSION_AVX2 void weigh_avx2(const float* const* rows, const float* weights, st
                               std::size_t n) noexcept {
   weigh_body(rows, weights, count, to, n);
 }
+SCANSION_AVX2 void mark_walls_avx2(const std::array<const float*, 4>& rows, const WallLimits& limits, std::uint32_t mark,
+                                   std::uint32_t* marks, std::size_t n) noexcept {
+  mark_walls_body(rows, limits, mark, marks, n);
+}
 SCANSION_AVX2 void lower_avx2(const double* from, double base, float* to, std::size_t n) noexcept {
   lower_body(from, base, to, n);
 }
@@ -277,6 +296,7 @@ constexpr auto count_back_avx2 = count_back_body;
 constexpr auto standing_avx2 = standing_body;
 constexpr auto sample_columns_avx2 = sample_columns_body;
 constexpr auto weigh_avx2 = weigh_body;
+constexpr auto mark_walls_avx2 = mark_walls_body;
 constexpr auto lower_avx2 = lower_body;
 
 #endif
@@ -312,6 +332,11 @@ std::size_t bent_or_stepped(const float* bend, const float* height, const float*
                             std::uint32_t* indexes, std::size_t n) noexcept {
   return has_avx2() ? bent_or_stepped_avx2(bend, height, next, limits, indexes, n)
                     : portable::bent_or_stepped(bend, height, next, limits, indexes, n);
+}
+
+void mark_walls(const std::array<const float*, 4>& rows, const WallLimits& limits, std::uint32_t mark, std::uint32_t* marks,
+                std::size_t n) noexcept {
+  has_avx2() ? mark_walls_avx2(rows, limits, mark, marks, n) : mark_walls_body(rows, limits, mark, marks, n);
 }
 
 std::size_t reaching(const double* values, double limit, std::uint32_t* indexes, std::size_t n) noexcept {

@@ -37,6 +37,15 @@ struct ColumnLimits {
 [[nodiscard]] std::size_t bent_or_stepped(const float* bend, const float* height, const float* next, const ColumnLimits& limits,
                                           std::uint32_t* indexes, std::size_t n) noexcept;
 
+/// Walls between rows of columns: marks[i] becomes `mark` unless the step from rows[1] to rows[2] starts no wall: one that is
+/// `weak` or less, or `steep` or less and not as lonely as `lonely`, the share of it above which a step before or after it shows
+/// that it goes on.
+struct WallLimits {
+  float weak = 0.0F, steep = 0.0F, lonely = 0.0F;
+};
+void mark_walls(const std::array<const float*, 4>& rows, const WallLimits& limits, std::uint32_t mark, std::uint32_t* marks,
+                std::size_t n) noexcept;
+
 /// As apart(), for values[i] >= limit.
 [[nodiscard]] std::size_t reaching(const double* values, double limit, std::uint32_t* indexes, std::size_t n) noexcept;
 

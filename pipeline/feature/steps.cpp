@@ -73,8 +73,8 @@ bool is_step(const Heights& h, std::uint32_t begin, std::uint32_t end, const Wal
 
 } // namespace
 
-WallTest::WallTest(const FitScale& scale) noexcept
-    : strong(std::max(8.0 * scale.noise, 0.09)), weak(std::max(8.0 * scale.noise, 0.05)), noise(4.0 * scale.noise) {}
+WallTest::WallTest(double sigma) noexcept
+    : strong(std::max(8.0 * sigma, 0.09)), weak(std::max(8.0 * sigma, 0.05)), noise(4.0 * sigma) {}
 
 void find_walls(const Heights& h, std::uint32_t begin, std::uint32_t end, const FitScale& scale, std::vector<WallRun>& walls) {
   if (begin == end) return;

@@ -21,10 +21,12 @@ struct WallRun {
 /// Which intervals between samples are walls; lengths in mm.
 struct WallTest {
   static constexpr double kSlope = 2.7474774194546; ///< tan 70
+  static constexpr double kLonely = 0.35;           ///< of its rise: a neighbour that rises less does not go on with a wall
   static constexpr std::uint32_t kBeside = 3;       ///< intervals on each side of a wall that are asked whether it goes on
   double strong, weak;                              ///< least rise of a wall: by its slope; by standing out from its neighbours
   double noise;                                     ///< four sigma
-  explicit WallTest(const FitScale& scale) noexcept;
+  explicit WallTest(double sigma) noexcept;
+  explicit WallTest(const FitScale& scale) noexcept : WallTest(scale.noise) {}
 
   /// What rises more is steep: slopes of 60 to 70 degrees are not for their noise.
   [[nodiscard]] double steep_rise(double ds) const noexcept {
@@ -32,13 +34,14 @@ struct WallTest {
     return std::max(strong, kSlope * ds + kMargin * noise);
   }
   /// Whether an interval is large enough to start a wall.
-  [[nodiscard]] bool may_seed(double ds, double dw) const noexcept { return std::abs(dw) > weak && std::abs(dw) > 0.5 * ds; }
+  [[nodiscard]] bool may_seed(double ds, double dw) const noexcept { return std::abs(dw) > least_rise(ds); }
+  [[nodiscard]] double least_rise(double ds) const noexcept { return std::max(weak, 0.5 * ds); }
   /// Whether one that is large enough starts one by itself; `before`, `after`: height differences of its neighbours, not a
   /// number: none.
   [[nodiscard]] bool stands_out(double ds, double dw, double before, double after) const noexcept {
     const double size = std::abs(dw);
     if (size > steep_rise(ds)) return true;
-    return !(std::abs(before) >= 0.35 * size) && !(std::abs(after) >= 0.35 * size);
+    return !(std::abs(before) >= kLonely * size) && !(std::abs(after) >= kLonely * size);
   }
   /// Whether a wall is upright within this interval: its neighbours' differences show no slope that would go on.
   [[nodiscard]] bool is_upright(double ds, double dw, double before, double after) const noexcept {
