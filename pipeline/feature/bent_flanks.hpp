@@ -2,15 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "pipeline/feature/pair.hpp"
 #include "pipeline/feature/parabola.hpp"
-
-#include <array>
 
 namespace scansion {
 
 /// Both sides of an edge, from the sample that the sums are about; `before` and `after` are the straight lines through them.
 struct BentFlanks {
-  std::array<PowerSums, 2> sums;
+  BasicPowerSums<Pair> sums;
   Direction before, after;
   double variance = 0.0; ///< mm2, of the noise
   double reach = 0.0;    ///< mm, of the shorter side

@@ -101,9 +101,10 @@ void Columns::mark_walls(std::int64_t r, const Sampling& sampling) {
   const WallTest test(kCalmer * sampling.noise);
   const double ds = row(r - 1).c - row(r - 2).c;
   const auto limit = [](double rise) { return static_cast<float>((1.0 - kRounded) * rise); };
-  passes::mark_walls({row(r - 3).height.data(), row(r - 2).height.data(), row(r - 1).height.data(), row(r).height.data()},
-                     {limit(test.least_rise(ds)), limit(test.steep_rise(ds)), static_cast<float>((1.0 + kRounded) * WallTest::kLonely)},
-                     static_cast<std::uint32_t>(r - 1), marks_.data(), width_);
+  passes::mark_walls(
+      {row(r - 3).height.data(), row(r - 2).height.data(), row(r - 1).height.data(), row(r).height.data()},
+      {limit(test.least_rise(ds)), limit(test.steep_rise(ds)), static_cast<float>((1.0 + kRounded) * WallTest::kLonely)},
+      static_cast<std::uint32_t>(r - 1), marks_.data(), width_);
 }
 
 // Whether a column may have a wall beyond this row: most have none, and need not be searched.
@@ -270,7 +271,8 @@ void Columns::harvest(std::int64_t r, const Sampling& sampling, std::vector<Colu
       passes::bent_or_stepped(centre.bend, centre.height, next.height, {least, wall}, shown_.data(), width_);
   for (const std::uint32_t j : std::span(shown_).first(shown)) {
     if (std::abs(centre.bend[j]) >= least && bends_most(at, j, near)) measure_bend(r, j, sampling, scale, out);
-    if (std::abs(next.height[j] - centre.height[j]) > wall && has_walls(j, r) && rows_.starts_step(at, j)) measure_step(r, j, scale, out);
+    if (std::abs(next.height[j] - centre.height[j]) > wall && has_walls(j, r) && rows_.starts_step(at, j))
+      measure_step(r, j, scale, out);
   }
 }
 

@@ -6,12 +6,13 @@
 
 namespace scansion {
 
-/// u along, v up, both from a sample nearby: sums over whole places would lose digits.
-struct LineSums {
-  double n = 0.0, u = 0.0, v = 0.0, uu = 0.0, uv = 0.0, vv = 0.0;
+/// u along, v up, both from a sample nearby: sums over whole places would lose digits. Numbers, or pairs of them: one a side.
+template <typename T>
+struct BasicLineSums {
+  T n{}, u{}, v{}, uu{}, uv{}, vv{};
 
-  void add(double du, double dv) noexcept {
-    n += 1.0;
+  void add(T du, T dv, T count) noexcept {
+    n += count;
     u += du;
     v += dv;
     uu += du * du;
@@ -19,6 +20,7 @@ struct LineSums {
     vv += dv * dv;
   }
 };
+using LineSums = BasicLineSums<double>;
 
 /// Of a line that does not run backwards: the cosine is not negative.
 struct Direction {

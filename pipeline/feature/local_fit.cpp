@@ -17,41 +17,25 @@ namespace {
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr double kMisfit = 3.0; // of the residuals' variance against that of the noise
 
-// Power sums about sample k over what lies before it and after it.
-struct SideSums {
-  Pair n{}, u{}, v{}, uu{}, uv{}, vv{}, uuu{}, uuuu{}, uuv{};
+// About sample k: over what lies before it, and after it.
+using SideSums = BasicPowerSums<Pair>;
 
-  void add(Pair du, Pair dv, Pair count) noexcept {
-    const Pair square = du * du;
-    n += count;
-    u += du;
-    v += dv;
-    uu += square;
-    uv += du * dv;
-    vv += dv * dv;
-    uuu += square * du;
-    uuuu += square * square;
-    uuv += square * dv;
-  }
-  /// Moves samples from one side to the other: `share` is 1 for the side that gets them and -1 for the other one.
-  void move(const LineSums& samples, Pair share) noexcept {
-    n += share * samples.n;
-    u += share * samples.u;
-    v += share * samples.v;
-    uu += share * samples.uu;
-    uv += share * samples.uv;
-    vv += share * samples.vv;
-  }
-  [[nodiscard]] PowerSums of(std::size_t side) const noexcept {
-    return {{n[side], u[side], v[side], uu[side], uv[side], vv[side]}, uuu[side], uuuu[side], uuv[side]};
-  }
-  [[nodiscard]] PowerSums together() const noexcept {
-    return {{sum(n), sum(u), sum(v), sum(uu), sum(uv), sum(vv)}, sum(uuu), sum(uuuu), sum(uuv)};
-  }
-};
+PowerSums together(const SideSums& m) noexcept {
+  return {{sum(m.n), sum(m.u), sum(m.v), sum(m.uu), sum(m.uv), sum(m.vv)}, sum(m.uuu), sum(m.uuuu), sum(m.uuv)};
+}
+
+// Moves samples from one side to the other: `share` is 1 for the side that gets them and -1 for the other one.
+void move(const LineSums& samples, Pair share, BasicLineSums<Pair>& m) noexcept {
+  m.n += share * samples.n;
+  m.u += share * samples.u;
+  m.v += share * samples.v;
+  m.uu += share * samples.uu;
+  m.uv += share * samples.uv;
+  m.vv += share * samples.vv;
+}
 
 // Sum of squares of the best broken line with its corner at u0.
-double broken_error(const SideSums& m, double u0) noexcept {
+double broken_error(const BasicLineSums<Pair>& m, double u0) noexcept {
   const Pair a = m.u - u0 * m.n, aa = m.uu - u0 * (m.u + a), av = m.uv - u0 * m.v;
   const Pair per = aa > 0.0 ? 1.0 / aa : both(0.0), f = a * per;
   const double v = sum(m.v), norm = sum(m.n) - sum(a * f);
@@ -92,10 +76,11 @@ Lines fit_lines(const SideSums& m) noexcept {
 struct Corner {
   Lines lines;
   Turning turning;
+  double sigma = 1.0;
   bool fitted = false;
   std::uint32_t window = 0;
   // What it takes more to know:
-  double s = 0.0, w = 0.0, sigma = 1.0, sharpness = 0.0, radius = 0.0, misfit = 0.0;
+  double s = 0.0, w = 0.0, sharpness = 0.0, radius = 0.0, misfit = 0.0;
 
   [[nodiscard]] bool is_significant(double sigmas) const noexcept { return turning.exceeds(sigmas * sigma); }
   [[nodiscard]] Bend bend() const noexcept {
@@ -107,7 +92,6 @@ struct Corner {
     b.tau = b.theta_after - b.theta_before;
     b.sigma_tau = sigma * kDegrees;
     b.sharpness = sharpness;
-    b.radius = radius;
     b.misfit = misfit;
     b.window = window;
     b.fitted = fitted;
@@ -123,9 +107,9 @@ public:
 
   void grow(std::uint32_t samples) noexcept;
   [[nodiscard]] std::uint32_t samples() const noexcept { return r_ - l_; }
-  /// How the window turns at sample k.
-  [[nodiscard]] Corner corner(std::uint32_t window) const noexcept;
-  /// Where it turns, how surely and how sharply.
+  /// How the window turns at sample k, and how surely.
+  [[nodiscard]] Corner corner(std::uint32_t window, const FitScale& scale) const noexcept;
+  /// Where it turns, and how sharply.
   void measure(Corner& corner, const FitScale& scale) const noexcept;
 
 private:
@@ -167,7 +151,7 @@ void Window::grow(std::uint32_t samples) noexcept {
   sums_ = sums;
 }
 
-Corner Window::corner(std::uint32_t window) const noexcept {
+Corner Window::corner(std::uint32_t window, const FitScale& scale) const noexcept {
   Corner corner;
   corner.lines = fit_lines(sums_);
   const bool before = sums_.n[kBefore] >= kFewest, after = sums_.n[kAfter] >= kFewest;
@@ -179,14 +163,14 @@ Corner Window::corner(std::uint32_t window) const noexcept {
   corner.turning = Turning::between(corner.lines.direction(kBefore), corner.lines.direction(kAfter));
   corner.fitted = before && after;
   corner.window = window;
+  corner.sigma = scale.noise * sigma(corner);
   return corner;
 }
 
 // Standard deviation of the turning where the noise is 1 mm.
 double Window::sigma(const Corner& corner) const noexcept {
-  const Pair reach{du(std::min(l_, k_ - 1)), du(std::max(r_, k_ + 1))};
-  const Pair along = reach / larger(corner.lines.cosine, both(0.05));
-  return std::sqrt(sum(12.0 / (larger(sums_.n, both(2.0)) * along * along)));
+  const Pair reach{du(std::min(l_, k_ - 1)), du(std::max(r_, k_ + 1))}, cosine = larger(corner.lines.cosine, both(0.05));
+  return std::sqrt(sum(12.0 * cosine * cosine / (larger(sums_.n, both(2.0)) * reach * reach)));
 }
 
 // Where the two lines meet, if that is nearby.
@@ -205,10 +189,7 @@ void Window::place(Corner& corner, const FitScale& scale) const noexcept {
   corner.s += u;
   corner.w += v;
   if (!corner.fitted || !corner.turning.exceeds(kLeastTurning / kDegrees)) return; // refused anyway
-  const BentFlanks flanks{{sums_.of(kBefore), sums_.of(kAfter)},
-                          lines.direction(kBefore),
-                          lines.direction(kAfter),
-                          scale.variance(),
+  const BentFlanks flanks{sums_, lines.direction(kBefore), lines.direction(kAfter), scale.variance(),
                           std::min(-du(l_), du(r_))};
   const double moved = flanks.moved(u);
   if (moved == 0.0) return;
@@ -218,23 +199,22 @@ void Window::place(Corner& corner, const FitScale& scale) const noexcept {
 
 // Sum of squares of the best broken line with its corner at s.
 double Window::corner_error(double s) const noexcept {
-  SideSums sums = sums_;
+  BasicLineSums<Pair> sums = sums_;
   const double u0 = s - s_[k_];
   const bool beyond = u0 > 0.0;
   sums.n[beyond ? kBefore : kAfter] += 1.0; // sample k itself
   LineSums passed;
   if (beyond)
-    for (std::uint32_t j = k_ + 1; j <= r_ && s_[j] < s; ++j) passed.add(du(j), dv(j));
+    for (std::uint32_t j = k_ + 1; j <= r_ && s_[j] < s; ++j) passed.add(du(j), dv(j), 1.0);
   else
-    for (std::uint32_t j = k_; j-- > l_ && s_[j] > s;) passed.add(du(j), dv(j));
-  if (passed.n > 0.0) sums.move(passed, beyond ? Pair{1.0, -1.0} : Pair{-1.0, 1.0});
+    for (std::uint32_t j = k_; j-- > l_ && s_[j] > s;) passed.add(du(j), dv(j), 1.0);
+  if (passed.n > 0.0) move(passed, beyond ? Pair{1.0, -1.0} : Pair{-1.0, 1.0}, sums);
   return broken_error(sums, u0);
 }
 
 void Window::measure(Corner& corner, const FitScale& scale) const noexcept {
-  corner.sigma = scale.noise * sigma(corner);
   place(corner, scale);
-  PowerSums all = sums_.together();
+  PowerSums all = together(sums_);
   all.n += 1.0;
   if (all.n < 5.0) return;
   const Parabola arc = Parabola::fit(all);
@@ -250,7 +230,8 @@ void Window::measure(Corner& corner, const FitScale& scale) const noexcept {
 // The sharpest corner over windows of 1, 2, 4 and 8 times the least one, or the first clear one. Empty: an arc, or straight.
 std::optional<Corner> find_corner(const Heights& heights, std::uint32_t k, const Reach& reach, const FitScale& scale) {
   constexpr double kClearSharpness = 2.0, kClearSignificance = 8.0, kArc = -1.0, kSureCorner = 4.0;
-  constexpr double kStraight = 4.0 / kDegrees; // what turns no more over a wider window was noise
+  constexpr double kStraight = 4.0 / kDegrees; // what turns no more is noise, or straight
+  constexpr double kHardly = 2.5;              // sigmas: what turns no more over the least window hardly does over wider ones
   Window window(heights, k, reach.before, reach.after);
   std::optional<Corner> best;
   bool arc = false;
@@ -259,8 +240,9 @@ std::optional<Corner> find_corner(const Heights& heights, std::uint32_t k, const
     window.grow(factor * scale.least_window);
     if (window.samples() == samples) break;
     samples = window.samples();
-    Corner corner = window.corner(factor * scale.least_window);
-    if (factor > 1 && !corner.turning.exceeds(kStraight)) return std::nullopt;
+    Corner corner = window.corner(factor * scale.least_window, scale);
+    if (!corner.turning.exceeds(kStraight)) return std::nullopt;
+    if (factor == 1 && !corner.is_significant(kHardly)) return std::nullopt;
     window.measure(corner, scale);
     if (corner.sharpness < kArc && corner.radius > scale.arc_radius && corner.is_significant(kLeastSignificance)) arc = true;
     if (factor > 1 && corner.misfit > kMisfit && best) break;
@@ -291,9 +273,10 @@ FitScale FitScale::of(double noise, double pitch, double coarse) noexcept {
   scale.pitch = pitch;
   scale.least_window = std::max(5U, wanted_window(noise, pitch));
   scale.arc_radius = std::max(3.0, 6.0 * coarse);
-  constexpr double kMost = 400.0;  // samples
-  constexpr double kAslant = 1.6;  // a section aslant shows roundings wider than they are
-  constexpr double kTelling = 53.0; // a straight stretch of the root of this times radius and noise is no arc, though cut aslant
+  constexpr double kMost = 400.0; // samples
+  constexpr double kAslant = 1.6; // a section aslant shows roundings wider than they are
+  constexpr double kTelling =
+      53.0; // a straight stretch of the root of this times radius and noise is no arc, though cut aslant
   scale.widest_gap = static_cast<std::uint32_t>(std::min(kMost, std::ceil(kAslant * scale.arc_radius / pitch)));
   scale.telling_flank =
       static_cast<std::uint32_t>(std::min(kMost, std::ceil(std::sqrt(kTelling * scale.arc_radius * scale.sigma()) / pitch)));
@@ -304,7 +287,7 @@ Bend fit_bend(const Heights& heights, std::uint32_t k, std::uint32_t before, std
               const FitScale& scale) {
   Window w(heights, k, before, after);
   w.grow(window);
-  Corner corner = w.corner(window);
+  Corner corner = w.corner(window, scale);
   w.measure(corner, scale);
   return corner.bend();
 }
@@ -341,7 +324,7 @@ std::optional<Bend> find_crest(const Heights& heights, std::uint32_t k, std::uin
   std::uint32_t l = k, r = k;
   while (l > before && heights.s[k] - heights.s[l - 1] <= reach) --l;
   while (r < after && heights.s[r + 1] - heights.s[k] <= reach) ++r;
-  for (std::uint32_t j = l; j <= r; ++j) m.add(heights.s[j] - heights.s[k], heights.w[j] - heights.w[k]);
+  for (std::uint32_t j = l; j <= r; ++j) m.add(heights.s[j] - heights.s[k], heights.w[j] - heights.w[k], 1.0);
   if (m.n < 5.0) return std::nullopt;
   const Parabola arc = Parabola::fit(m);
   if (std::abs(arc.curvature) < 1e-12) return std::nullopt;
@@ -351,7 +334,6 @@ std::optional<Bend> find_crest(const Heights& heights, std::uint32_t k, std::uin
   Bend bend;
   bend.s = heights.s[k] + arc.middle + top;
   bend.w = heights.w[k] + arc.offset + arc.slope * top + arc.curvature * top * top;
-  bend.radius = radius;
   bend.window = std::max(k - l, r - k);
   bend.sigma_tau = scale.noise;
   bend.fitted = true;

@@ -21,7 +21,6 @@ struct Bend {
   double theta_before = 0.0, theta_after = 0.0;
   double tau = 0.0, sigma_tau = 1.0; ///< turning and its standard deviation
   double sharpness = 0.0;            ///< Lambda: log likelihood of a corner over that of an arc
-  double radius = 0.0;               ///< of the arc
   double misfit = 0.0;               ///< variance about the broken line over that of the noise
   std::uint32_t window = 0;          ///< samples a side that were asked for
   bool fitted = false;               ///< both sides had enough samples

@@ -14,6 +14,9 @@ using Pair = double __attribute__((vector_size(2 * sizeof(double))));
 [[nodiscard]] inline double sum(Pair x) noexcept {
   return x[0] + x[1];
 }
+[[nodiscard]] inline double difference(Pair x) noexcept {
+  return x[1] - x[0];
+}
 [[nodiscard]] inline Pair larger(Pair a, Pair b) noexcept {
   return a > b ? a : b;
 }

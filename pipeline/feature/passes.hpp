@@ -38,8 +38,8 @@ struct ColumnLimits {
                                           std::uint32_t* indexes, std::size_t n) noexcept;
 
 /// Walls between rows of columns: marks[i] becomes `mark` unless the step from rows[1] to rows[2] starts no wall: one that is
-/// `weak` or less, or `steep` or less and not as lonely as `lonely`, the share of it above which a step before or after it shows
-/// that it goes on.
+/// `weak` or less, or `steep` or less and not as lonely as `lonely`, the share of it above which a step before or after it
+/// shows that it goes on.
 struct WallLimits {
   float weak = 0.0F, steep = 0.0F, lonely = 0.0F;
 };

@@ -5,6 +5,7 @@
 #include "pipeline/feature/flank.hpp"
 #include "pipeline/feature/parabola.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace scansion {
@@ -15,8 +16,8 @@ namespace {
 double arc_error(const Heights& h, std::uint32_t l, std::uint32_t r) noexcept {
   PowerSums sums;
   const std::uint32_t k = (l + r) / 2;
-  for (std::uint32_t j = l; j <= r; ++j) sums.add(h.s[j] - h.s[k], h.w[j] - h.w[k]);
-  return Parabola::fit(sums).error;
+  for (std::uint32_t j = l; j <= r; ++j) sums.add(h.s[j] - h.s[k], h.w[j] - h.w[k], 1.0);
+  return std::max(0.0, Parabola::fit(sums).error);
 }
 
 // Tangent length over the tangent of half the turning.

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/feature/passes.hpp"
 
+#include "pipeline/feature/steps.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -75,6 +77,35 @@ TEST(Passes, FindColumnsThatBendOrStep) {
     EXPECT_EQ(found, expected) << n;
     EXPECT_EQ(portable, expected) << n;
   }
+}
+
+TEST(Passes, MarkEveryColumnWhereAWallMayStart) {
+  const WallTest test(0.005);
+  constexpr double kSpacing = 0.2;
+  const passes::WallLimits limits{static_cast<float>(test.least_rise(kSpacing)), static_cast<float>(test.steep_rise(kSpacing)),
+                                  static_cast<float>(WallTest::kLonely)};
+  std::mt19937 random(5);
+  std::uniform_int_distribution<int> size(0, 9), rare(0, 30);
+  std::size_t walls = 0, clear = 0;
+  for (std::size_t n = 0; n < kMost; ++n) {
+    std::array<std::vector<float>, 4> rows;
+    for (auto& row : rows)
+      for (std::size_t k = 0; k < n; ++k)
+        row.push_back(rare(random) == 0 ? std::numeric_limits<float>::quiet_NaN() : 0.125F * static_cast<float>(size(random)));
+    std::vector<std::uint32_t> marks(n, 7);
+    passes::mark_walls({rows[0].data(), rows[1].data(), rows[2].data(), rows[3].data()}, limits, 9, marks.data(), n);
+    for (std::size_t k = 0; k < n; ++k) {
+      const auto rise = [&](std::size_t row) {
+        return static_cast<double>(rows[row + 1][k]) - static_cast<double>(rows[row][k]);
+      };
+      const bool may =
+          !(std::abs(rise(1)) <= test.least_rise(kSpacing)) && test.stands_out(kSpacing, rise(1), rise(0), rise(2));
+      EXPECT_EQ(marks[k] == 9, may || std::isnan(rise(1))) << n << ' ' << k;
+      ++(marks[k] == 9 ? walls : clear);
+    }
+  }
+  EXPECT_GT(walls, 1000U);
+  EXPECT_GT(clear, 1000U);
 }
 
 TEST(Passes, FindWhatReachesALimit) {
