@@ -2,24 +2,35 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/feature/column_rows.hpp"
 
+#include "pipeline/feature/pair.hpp"
+
 #include <algorithm>
 #include <limits>
 
 namespace scansion {
 
+namespace {
+
+using FloatPair = float __attribute__((vector_size(2 * sizeof(float))));
+
+} // namespace
+
 void ColumnRows::add(const ColumnRow& row) {
   rows_.push_back(row);
   places_.push_back(row.c);
+  heights_.push_back(row.height);
 }
 
 void ColumnRows::drop_oldest() {
   rows_.erase(rows_.begin());
   places_.erase(places_.begin());
+  heights_.erase(heights_.begin());
 }
 
 void ColumnRows::clear() noexcept {
   rows_.clear();
   places_.clear();
+  heights_.clear();
 }
 
 // Not a number: one of the two rows has no height there.
@@ -83,17 +94,20 @@ void Column::take(const ColumnRows& rows, std::int64_t row, std::int64_t reach, 
   first_ = std::max<std::int64_t>(0, row - reach);
   const auto n = static_cast<std::size_t>(std::min(rows.size() - 1, row + reach) - first_ + 1);
   w_.resize(n);
-  const ColumnRow* const from = &rows[first_];
+  const auto from = rows.heights().subspan(static_cast<std::size_t>(first_), n);
+  Pair sum{}; // not a number: there are holes
   double* const w = w_.data();
-  bool holes = false;
-  for (std::size_t k = 0; k < n; ++k) {
-    const float height = from[k].height[column];
-    holes |= std::isnan(height);
-    w[k] = static_cast<double>(height) + base;
+  std::size_t k = 0;
+  for (; k + 2 <= n; k += 2) {
+    const Pair pair = __builtin_convertvector(FloatPair{from[k][column], from[k + 1][column]}, Pair) + base;
+    w[k] = pair[0];
+    w[k + 1] = pair[1];
+    sum += pair;
   }
+  for (; k < n; ++k) sum[0] += w[k] = static_cast<double>(from[k][column]) + base;
   s_ = rows.places().subspan(static_cast<std::size_t>(first_), n);
   index_.clear();
-  if (holes) leave_out_holes();
+  if (std::isnan(sum[0] + sum[1])) leave_out_holes();
 }
 
 void Column::leave_out_holes() {

@@ -26,6 +26,7 @@ public:
   [[nodiscard]] std::int64_t size() const noexcept { return static_cast<std::int64_t>(rows_.size()); }
   [[nodiscard]] const ColumnRow& operator[](std::int64_t row) const noexcept { return rows_[static_cast<std::size_t>(row)]; }
   [[nodiscard]] std::span<const double> places() const noexcept { return places_; } ///< c of each row
+  [[nodiscard]] std::span<const float* const> heights() const noexcept { return heights_; }
 
   /// Whether the interval from this row to the next one is a steep one of a wall that is a step.
   [[nodiscard]] bool is_of_step(std::int64_t row, std::size_t column) const {
@@ -49,6 +50,7 @@ private:
   WallTest test_{FitScale{}};
   std::vector<ColumnRow> rows_;
   std::vector<double> places_;
+  std::vector<const float*> heights_;
 };
 
 /// One column around a row, without its holes. Points into the rows it was taken from. Thread-bound.

@@ -5,14 +5,14 @@
 #include "pipeline/feature/passes.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <limits>
 
 namespace scansion {
 
 namespace {
 
-constexpr std::uint32_t kBlock = passes::ColumnBlock::kSize;
+constexpr std::uint32_t kBlock = passes::ColumnBlocks::kSize;
 constexpr double kSlack = 0.05; // of a pitch: samples often stand on columns but for their rounding
 
 class ColumnSampler {
@@ -27,7 +27,7 @@ public:
 
 private:
   [[nodiscard]] double place(std::int64_t column) const noexcept { return static_cast<double>(column) * grid_.pitch; }
-  [[nodiscard]] bool take_block(std::uint32_t k, std::int64_t column) noexcept;
+  [[nodiscard]] std::uint32_t take_blocks(std::uint32_t k, std::int64_t column, std::uint32_t most) noexcept;
   void take(std::uint32_t k, std::int64_t column) noexcept;
 
   const double* const s_;
@@ -39,25 +39,22 @@ private:
   const double widest_, jump_; // mm: between samples, up
 };
 
-// Takes a block of columns if samples stand beside them one by one, and none of them at a wall.
-bool ColumnSampler::take_block(std::uint32_t k, std::int64_t column) noexcept {
-  std::array<float, kBlock> height;
-  std::array<std::uint32_t, kBlock> behind;
-  const passes::ColumnBlock block{static_cast<double>(column), grid_.pitch, grid_.base, widest_, jump_, kSlack * grid_.pitch};
-  if (!passes::sample_columns(s_ + k, w_ + k, block, height.data(), behind.data())) return false;
-  std::copy(height.begin(), height.end(), height_ + (column - grid_.left));
-  std::uint32_t* const source = source_ + (column - grid_.left);
-  const std::uint32_t* const samples = samples_ + k;
-  for (std::size_t i = 0; i < kBlock; ++i) source[i] = samples[i + behind[i]];
-  return true;
+// Takes blocks of columns as long as samples stand beside them one by one, and none of them at a wall. Returns how many.
+std::uint32_t ColumnSampler::take_blocks(std::uint32_t k, std::int64_t column, std::uint32_t most) noexcept {
+  const passes::ColumnBlocks blocks{static_cast<double>(column), grid_.pitch, grid_.base, widest_, jump_, kSlack * grid_.pitch};
+  float* const height = height_ + (column - grid_.left);
+  const std::size_t count =
+      passes::sample_columns({s_ + k, w_ + k, samples_ + k}, blocks, most, height, source_ + (column - grid_.left));
+  if (count < most) std::fill_n(height + count * kBlock, kBlock, std::numeric_limits<float>::quiet_NaN());
+  return static_cast<std::uint32_t>(count);
 }
 
 void ColumnSampler::take(std::uint32_t k, std::int64_t column) noexcept {
   const double t = place(column) - s_[k], ds = s_[k + 1] - s_[k], dw = w_[k + 1] - w_[k];
-  if (ds > widest_) return;
   const std::uint32_t nearest = t < ds - t ? k : k + 1;
-  height_[column - grid_.left] = static_cast<float>((std::abs(dw) > jump_ ? w_[nearest] : w_[k] + dw * (t / ds)) - grid_.base);
   source_[column - grid_.left] = samples_[nearest];
+  if (ds > widest_) return;
+  height_[column - grid_.left] = static_cast<float>((std::abs(dw) > jump_ ? w_[nearest] : w_[k] + dw * (t / ds)) - grid_.base);
 }
 
 void ColumnSampler::add_run(std::uint32_t begin, std::uint32_t end) noexcept {
@@ -66,9 +63,11 @@ void ColumnSampler::add_run(std::uint32_t begin, std::uint32_t end) noexcept {
   std::uint32_t k = begin, singly = 0; // columns to take before the next block is tried
   for (auto column = static_cast<std::int64_t>(std::ceil(s_[begin] / grid_.pitch)); column <= last;) {
     while (k + 2 < end && s_[k + 1] < place(column)) ++k;
-    if (singly == 0 && k + kBlock < end && column + std::int64_t{kBlock} - 1 <= last && take_block(k, column)) {
-      k += kBlock - 1;
-      column += kBlock;
+    const auto blocks = static_cast<std::uint32_t>(std::min<std::int64_t>(end - 1 - k, last + 1 - column)) / kBlock;
+    const std::uint32_t count = singly == 0 && blocks > 0 ? take_blocks(k, column, blocks) : 0;
+    if (count > 0) {
+      k += count * kBlock - 1;
+      column += count * kBlock;
     } else {
       take(k, column++);
       singly = singly > 0 ? singly - 1 : kBlock / 2;

@@ -15,8 +15,9 @@ struct ColumnGrid {
   double base = 0.0;     ///< mm: heights are relative to it
 };
 
-/// Fills in what columns see between the first and the last sample of each run; others stay as they are. `height` and `source`
-/// (sample of the scan line) begin at the first column and hold all that the profile reaches.
+/// Fills in what columns see between the first and the last sample of each run, but no height where samples are missing; other
+/// columns stay as they are. `height` and `source` (sample of the scan line) begin at the first column and hold all that the
+/// profile reaches.
 void sample_columns(const Profile& profile, const Sampling& sampling, const ColumnGrid& grid, float* height,
                     std::uint32_t* source);
 

@@ -45,22 +45,18 @@ bool Columns::make_room(double low, double high) {
   const std::int64_t new_left = left < left_ || width_ == 0 ? left - spare : left_;
   const auto new_width = static_cast<std::size_t>(right - new_left + 1 + spare);
   const auto shift = static_cast<std::size_t>(width_ == 0 ? 0 : left_ - new_left);
-  for (Row& r : ring_) {
-    for (auto* values : {&r.height, &r.bend}) {
-      std::vector<float> moved(new_width, kNone);
-      std::copy(values->begin(), values->end(), moved.begin() + static_cast<std::ptrdiff_t>(shift));
-      *values = std::move(moved);
-    }
-    std::vector<std::uint32_t> source(new_width, 0);
-    std::copy(r.source.begin(), r.source.end(), source.begin() + static_cast<std::ptrdiff_t>(shift));
-    r.source = std::move(source);
+  const auto widen = [&](auto& values, auto none) {
+    std::remove_reference_t<decltype(values)> moved(new_width, none);
+    std::copy(values.begin(), values.end(), moved.begin() + static_cast<std::ptrdiff_t>(shift));
+    values = std::move(moved);
+  };
+  for (std::int64_t r = first_; r < next_; ++r) {
+    widen(row(r).height, kNone);
+    widen(row(r).bend, kNone);
+    widen(row(r).source, 0U);
   }
-  std::vector<Rounding> roundings(new_width);
-  std::copy(roundings_.begin(), roundings_.end(), roundings.begin() + static_cast<std::ptrdiff_t>(shift));
-  roundings_ = std::move(roundings);
-  std::vector<std::uint32_t> marks(new_width, static_cast<std::uint32_t>(next_));
-  std::copy(marks_.begin(), marks_.end(), marks.begin() + static_cast<std::ptrdiff_t>(shift));
-  marks_ = std::move(marks);
+  widen(roundings_, Rounding());
+  widen(marks_, static_cast<std::uint32_t>(next_));
   left_ = new_left;
   width_ = new_width;
   view_rows();
@@ -75,11 +71,12 @@ void Columns::add(const Profile& profile, const Sampling& sampling, std::vector<
   Row& newest = row(r);
   newest.c = profile.c;
   newest.line = profile.line;
+  newest.height.assign(width_, kNone);
+  newest.bend.assign(width_, kNone);
+  newest.source.assign(width_, profile.source.front()); // what a bend takes whose own row has a hole
   rows_.add({newest.c, newest.height.data(), newest.bend.data()});
   if (rows_.size() > next_ - first_) rows_.drop_oldest();
-  std::fill(newest.height.begin(), newest.height.end(), kNone);
   sample_columns(profile, sampling, {pitch_, left_, base_}, newest.height.data(), newest.source.data());
-  std::fill(newest.bend.begin(), newest.bend.end(), kNone);
   mark_walls(r, sampling);
   const auto n = static_cast<std::int64_t>(window_);
   if (r >= n) screen(r - n, sampling);

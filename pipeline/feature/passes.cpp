@@ -107,21 +107,34 @@ SCANSION_INLINE Standing standing_body(const double* values, const Grid& grid, s
   return {outside == 0, uneven == 0};
 }
 
-SCANSION_INLINE bool sample_columns_body(const double* s, const double* w, const ColumnBlock& block, float* __restrict height,
-                                         std::uint32_t* __restrict behind) noexcept {
+SCANSION_INLINE bool sample_block(const double* s, const double* w, const std::uint32_t* number, const ColumnBlocks& blocks,
+                                  double first, float* __restrict height, std::uint32_t* __restrict source) noexcept {
   constexpr double kMidway = 0.5; // what stands there belongs to the second sample
-  const double first = block.first, pitch = block.pitch, base = block.base, widest = block.widest, jump = block.jump,
-               slack = block.slack;
+  const double pitch = blocks.pitch, base = blocks.base, widest = blocks.widest, jump = blocks.jump, slack = blocks.slack;
   std::int64_t outside = 0; // in its sign
-  for (std::size_t i = 0; i < ColumnBlock::kSize; ++i) {
+  for (std::size_t i = 0; i < ColumnBlocks::kSize; ++i) {
     const double at = (first + static_cast<std::int32_t>(i)) * pitch, ds = s[i + 1] - s[i], dw = w[i + 1] - w[i];
     const double share = (at - s[i]) / ds;
     outside |= std::bit_cast<std::int64_t>(at + slack - s[i]) | std::bit_cast<std::int64_t>(s[i + 1] + slack - at) |
                std::bit_cast<std::int64_t>(widest - ds) | std::bit_cast<std::int64_t>(jump - std::abs(dw));
     height[i] = static_cast<float>(w[i] + dw * share - base);
-    behind[i] = static_cast<std::uint32_t>(static_cast<std::int32_t>(share + kMidway));
+    const auto behind = static_cast<std::int32_t>(share + kMidway);
+    const std::uint32_t near = number[i], far = number[i + 1];
+    source[i] = behind == 0 ? near : far;
   }
   return outside >= 0;
+}
+
+SCANSION_INLINE std::size_t sample_columns_body(const ColumnSamples& samples, const ColumnBlocks& blocks, std::size_t count,
+                                                float* height, std::uint32_t* source) noexcept {
+  const double* const s = samples.s;
+  for (std::size_t done = 0; done < count; ++done) {
+    const std::size_t k = done * ColumnBlocks::kSize;
+    const double first = blocks.first + static_cast<double>(k), place = first * blocks.pitch;
+    const bool in_step = k == 0 || (s[k] < place && s[k + 1] >= place);
+    if (!in_step || !sample_block(s + k, samples.w + k, samples.number + k, blocks, first, height + k, source + k)) return done;
+  }
+  return count;
 }
 
 using Eight = float __attribute__((vector_size(32))); // where there are no such vectors, several narrower ones
@@ -259,9 +272,9 @@ SCANSION_AVX2 std::size_t count_back_avx2(const double* values, std::size_t n) n
 SCANSION_AVX2 Standing standing_avx2(const double* values, const Grid& grid, std::size_t n) noexcept {
   return standing_body(values, grid, n);
 }
-SCANSION_AVX2 bool sample_columns_avx2(const double* s, const double* w, const ColumnBlock& block, float* height,
-                                       std::uint32_t* behind) noexcept {
-  return sample_columns_body(s, w, block, height, behind);
+SCANSION_AVX2 std::size_t sample_columns_avx2(const ColumnSamples& samples, const ColumnBlocks& blocks, std::size_t count,
+                                              float* height, std::uint32_t* source) noexcept {
+  return sample_columns_body(samples, blocks, count, height, source);
 }
 SCANSION_AVX2 void weigh_avx2(const float* const* rows, const float* weights, std::size_t count, float* to,
                               std::size_t n) noexcept {
@@ -347,8 +360,10 @@ Standing standing(const double* values, const Grid& grid, std::size_t n) noexcep
   return has_avx2() ? standing_avx2(values, grid, n) : standing_body(values, grid, n);
 }
 
-bool sample_columns(const double* s, const double* w, const ColumnBlock& block, float* height, std::uint32_t* behind) noexcept {
-  return has_avx2() ? sample_columns_avx2(s, w, block, height, behind) : sample_columns_body(s, w, block, height, behind);
+std::size_t sample_columns(const ColumnSamples& samples, const ColumnBlocks& blocks, std::size_t count, float* height,
+                           std::uint32_t* source) noexcept {
+  return has_avx2() ? sample_columns_avx2(samples, blocks, count, height, source)
+                    : sample_columns_body(samples, blocks, count, height, source);
 }
 
 void weigh(const float* const* rows, const float* weights, std::size_t count, float* to, std::size_t n) noexcept {

@@ -60,16 +60,23 @@ struct Standing {
 };
 [[nodiscard]] Standing standing(const double* values, const Grid& grid, std::size_t n) noexcept;
 
-/// Columns at (first + i) * pitch, with s[i] before each and s[i + 1] behind it, or hardly on the other side.
-struct ColumnBlock {
-  static constexpr std::size_t kSize = 16;
+/// Columns at (first + i) * pitch, with s[i] before each and s[i + 1] behind it, or hardly on the other side; in blocks.
+struct ColumnBlocks {
+  static constexpr std::size_t kSize = 16; ///< columns of a block
   double first = 0.0, pitch = 1.0, base = 0.0; ///< pitch in mm; base: of heights
   double widest = 0.0, jump = 0.0;             ///< mm between the two samples, up
   double slack = 0.0;                          ///< mm
 };
-/// Heights of kSize columns, and whether the sample behind each is the nearer one; false: samples do not stand like this.
-[[nodiscard]] bool sample_columns(const double* s, const double* w, const ColumnBlock& block, float* height,
-                                  std::uint32_t* behind) noexcept;
+/// A run of samples: places, heights, numbers in the scan line.
+struct ColumnSamples {
+  const double *s = nullptr, *w = nullptr;
+  const std::uint32_t* number = nullptr;
+};
+/// Heights of the columns of up to `count` blocks, and the number of the sample nearest to each. Ends before the first block
+/// whose samples do not stand like this, or where another sample is the last one before its first column. In that block anything
+/// may have been written. Returns how many went before it.
+[[nodiscard]] std::size_t sample_columns(const ColumnSamples& samples, const ColumnBlocks& blocks, std::size_t count,
+                                         float* height, std::uint32_t* source) noexcept;
 
 /// to[i] = weights[0] * rows[0][i] + weights[1] * rows[1][i] + ..., `count` of them, added in this order.
 void weigh(const float* const* rows, const float* weights, std::size_t count, float* to, std::size_t n) noexcept;

@@ -92,6 +92,9 @@ TEST(ColumnSamples, nothingIsSeenInHolesAndBeyondTheEnds) {
   for (std::size_t j = 0; j < kSamples + 30; ++j) {
     const bool hole = (j >= 100 && j <= 120) || j == 50 || j == 0 || j > kSamples + 19;
     EXPECT_EQ(std::isnan(out.height[j]), hole) << "column " << j;
+    if (j >= 100 && j <= 120) {
+      EXPECT_EQ(out.source[j], j < 110 ? 1099U : 1100U) << "column " << j;
+    }
   }
 }
 
