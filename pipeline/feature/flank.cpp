@@ -93,7 +93,7 @@ private:
   };
   void make(std::uint32_t end) noexcept {
     constexpr std::uint32_t kAtOnce = 4;
-    if (made_ < end) extend(std::min(end + kAtOnce, count_));
+    if (made_ < end) extend(made_ == 0 ? end : std::min(end + kAtOnce, count_));
   }
   void extend(std::uint32_t end) noexcept {
     const double s0 = side_.s(0), w0 = side_.w(0);
@@ -238,6 +238,8 @@ Flank FlankSearch::first_straight(std::uint32_t few, std::uint32_t many, std::ui
 Flank FlankSearch::longer_stretch(const Flank& flank) noexcept {
   const std::uint32_t size = 2 * flank.samples;
   const double limit = straight_limit(size, sigma_);
+  // All of them hold the samples right behind it.
+  if (!stretches_.fits(flank.gap, size) || stretches_.fit(flank.gap + flank.samples, flank.samples).error > limit) return flank;
   for (std::uint32_t gap = flank.gap; gap <= flank.gap + flank.samples && stretches_.fits(gap, size); ++gap) {
     const Stretch line = stretches_.fit(gap, size);
     if (line.error <= limit) return side_.flank(line, true);

@@ -51,12 +51,6 @@ SCANSION_INLINE std::size_t apart_body(const T* a, const T* b, T limit, std::uin
   return found;
 }
 
-SCANSION_INLINE std::size_t first_apart_body(const double* a, const double* b, double limit, std::size_t from,
-                                             std::size_t n) noexcept {
-  while (from < n && !(std::abs(a[from] - b[from]) > limit)) ++from;
-  return from;
-}
-
 SCANSION_INLINE std::size_t bent_or_stepped_body(const float* bend, const float* height, const float* next,
                                                  const ColumnLimits& limits, std::uint32_t* indexes, std::size_t from,
                                                  std::size_t n) noexcept {
@@ -169,6 +163,7 @@ SCANSION_INLINE void lower_body(const double* __restrict from, double base, floa
 constexpr std::size_t kBlock = 32; // comparisons whose bits are looked at together: few are set, and are taken one by one
 
 using Four = double __attribute__((vector_size(32)));
+using Bits = std::uint64_t __attribute__((vector_size(32)));
 
 // (The header with the processor's own names is not included: behind it GCC 12 compiles with the options of the precompiled
 // header.)
@@ -177,6 +172,11 @@ SCANSION_AVX2 inline std::uint32_t bits_of(Four x) noexcept {
 }
 SCANSION_AVX2 inline std::uint32_t bits_of(Eight x) noexcept {
   return static_cast<std::uint32_t>(__builtin_ia32_movmskps256(x));
+}
+template <typename Vector>
+SCANSION_AVX2 inline Vector size_of(Vector x) noexcept {
+  const Vector sign = -Vector{};
+  return reinterpret_cast<Vector>(reinterpret_cast<Bits>(x) & ~reinterpret_cast<Bits>(sign));
 }
 template <typename Vector, typename T>
 SCANSION_AVX2 inline Vector load(const T* from) noexcept {
@@ -198,8 +198,7 @@ SCANSION_AVX2 inline std::uint32_t apart_bits(const T* a, const T* b, Vector lim
   constexpr std::size_t kLanes = sizeof(Vector) / sizeof(T);
   std::uint32_t bits = 0;
   for (std::size_t i = 0; i < Block; i += kLanes) {
-    const Vector step = load<Vector>(a + i) - load<Vector>(b + i);
-    bits |= bits_of(reinterpret_cast<Vector>((step > limit) | (step < -limit))) << i;
+    bits |= bits_of(reinterpret_cast<Vector>(size_of(load<Vector>(a + i) - load<Vector>(b + i)) > limit)) << i;
   }
   return bits;
 }
@@ -211,17 +210,6 @@ SCANSION_AVX2 inline std::size_t apart_avx2(const T* a, const T* b, T limit, std
   for (; from + kBlock <= n; from += kBlock)
     found += put(apart_bits<Vector, kBlock>(a + from, b + from, limits), from, indexes + found);
   return found + apart_body(a, b, limit, indexes + found, from, n);
-}
-
-SCANSION_AVX2 std::size_t first_apart_avx2(const double* a, const double* b, double limit, std::size_t from,
-                                           std::size_t n) noexcept {
-  constexpr std::size_t kShort = 8; // many stretches are
-  const Four limits = Four{} + limit;
-  for (; from + kShort <= n; from += kShort) {
-    const std::uint32_t bits = apart_bits<Four, kShort>(a + from, b + from, limits);
-    if (bits != 0) return from + static_cast<std::size_t>(std::countr_zero(bits));
-  }
-  return first_apart_body(a, b, limit, from, n);
 }
 
 SCANSION_AVX2 std::size_t bent_or_stepped_avx2(const float* bend, const float* height, const float* next,
@@ -302,7 +290,6 @@ std::size_t bent_or_stepped_avx2(const float* bend, const float* height, const f
 std::size_t reaching_avx2(const double* values, double limit, std::uint32_t* indexes, std::size_t n) noexcept {
   return reaching_body(values, limit, indexes, 0, n);
 }
-constexpr auto first_apart_avx2 = first_apart_body;
 constexpr auto project_avx2 = project_body;
 constexpr auto sum_avx2 = sum_body;
 constexpr auto count_back_avx2 = count_back_body;
@@ -335,10 +322,6 @@ std::size_t apart(const double* a, const double* b, double limit, std::uint32_t*
 
 std::size_t apart(const float* a, const float* b, float limit, std::uint32_t* indexes, std::size_t n) noexcept {
   return has_avx2() ? apart_avx2(a, b, limit, indexes, n) : portable::apart(a, b, limit, indexes, n);
-}
-
-std::size_t first_apart(const double* a, const double* b, double limit, std::size_t from, std::size_t n) noexcept {
-  return has_avx2() ? first_apart_avx2(a, b, limit, from, n) : first_apart_body(a, b, limit, from, n);
 }
 
 std::size_t bent_or_stepped(const float* bend, const float* height, const float* next, const ColumnLimits& limits,
@@ -379,9 +362,6 @@ std::size_t portable::apart(const double* a, const double* b, double limit, std:
 }
 std::size_t portable::apart(const float* a, const float* b, float limit, std::uint32_t* indexes, std::size_t n) noexcept {
   return apart_body(a, b, limit, indexes, 0, n);
-}
-std::size_t portable::first_apart(const double* a, const double* b, double limit, std::size_t from, std::size_t n) noexcept {
-  return first_apart_body(a, b, limit, from, n);
 }
 std::size_t portable::bent_or_stepped(const float* bend, const float* height, const float* next, const ColumnLimits& limits,
                                       std::uint32_t* indexes, std::size_t n) noexcept {

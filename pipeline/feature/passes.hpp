@@ -27,9 +27,6 @@ void project(const std::array<const std::int32_t*, 3>& xyz, const Projection& pr
 [[nodiscard]] std::size_t apart(const double* a, const double* b, double limit, std::uint32_t* indexes, std::size_t n) noexcept;
 [[nodiscard]] std::size_t apart(const float* a, const float* b, float limit, std::uint32_t* indexes, std::size_t n) noexcept;
 
-/// The first i from `from` on with |a[i] - b[i]| > limit, or n.
-[[nodiscard]] std::size_t first_apart(const double* a, const double* b, double limit, std::size_t from, std::size_t n) noexcept;
-
 /// As apart(), for a row of columns: |bend[i]| >= least or |next[i] - height[i]| > rise.
 struct ColumnLimits {
   float least = 0.0F, rise = 0.0F;
@@ -88,7 +85,6 @@ void lower(const double* from, double base, float* to, std::size_t n) noexcept;
 namespace portable {
 [[nodiscard]] std::size_t apart(const double* a, const double* b, double limit, std::uint32_t* indexes, std::size_t n) noexcept;
 [[nodiscard]] std::size_t apart(const float* a, const float* b, float limit, std::uint32_t* indexes, std::size_t n) noexcept;
-[[nodiscard]] std::size_t first_apart(const double* a, const double* b, double limit, std::size_t from, std::size_t n) noexcept;
 [[nodiscard]] std::size_t bent_or_stepped(const float* bend, const float* height, const float* next, const ColumnLimits& limits,
                                           std::uint32_t* indexes, std::size_t n) noexcept;
 [[nodiscard]] std::size_t reaching(const double* values, double limit, std::uint32_t* indexes, std::size_t n) noexcept;

@@ -6,6 +6,7 @@
 #include "pipeline/feature/passes.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -44,16 +45,6 @@ double wall_slope(const Heights& h, std::uint32_t first, std::uint32_t last) noe
   return uv / uu;
 }
 
-// The first interval of samples [k, last] that is large enough to start a wall; `last`: none is. On a slope one follows the
-// other; what lies between slopes is looked at many at a time.
-std::size_t first_large(const double* s, const double* w, std::size_t k, std::size_t last, const WallTest& test) noexcept {
-  for (; k < last; ++k) {
-    if (std::abs(w[k + 1] - w[k]) <= test.weak) k = passes::first_apart(w + 1, w, test.weak, k + 1, last);
-    if (k < last && test.may_seed(s[k + 1] - s[k], w[k + 1] - w[k])) break;
-  }
-  return std::min(k, last);
-}
-
 // Whether a short wall of the run [begin, end) is but a piece of a slope.
 bool is_piece(const Heights& h, std::uint32_t begin, std::uint32_t end, const WallRun& wall, const WallTest& test) noexcept {
   constexpr std::uint32_t n = WallTest::kBeside;
@@ -76,31 +67,55 @@ bool is_step(const Heights& h, std::uint32_t begin, std::uint32_t end, const Wal
 WallTest::WallTest(double sigma) noexcept
     : strong(std::max(8.0 * sigma, 0.09)), weak(std::max(8.0 * sigma, 0.05)), noise(4.0 * sigma) {}
 
-void find_walls(const Heights& h, std::uint32_t begin, std::uint32_t end, const FitScale& scale, std::vector<WallRun>& walls) {
-  if (begin == end) return;
-  const WallTest test(scale);
-  const std::size_t known = walls.size();
-  const double* const s = h.s.data();
-  const double* const w = h.w.data();
-  const auto ds = [&](std::uint32_t k) { return s[k + 1] - s[k]; };
-  const auto dw = [&](std::uint32_t k) { return w[k + 1] - w[k]; };
-  constexpr double kNone = std::numeric_limits<double>::infinity(); // the ends of a run start no wall by themselves
-  const std::uint32_t last = end - 1;
-  for (std::uint32_t k = begin; (k = static_cast<std::uint32_t>(first_large(s, w, k, last, test))) < last;) {
-    if (!test.stands_out(ds(k), dw(k), k > begin ? dw(k - 1) : kNone, k + 1 < last ? dw(k + 1) : kNone)) {
-      ++k;
-      continue;
-    }
+namespace {
+
+// Grows walls of the run [begin, end) from intervals, in order, and adds them.
+class WallGrower {
+public:
+  WallGrower(const Heights& h, std::uint32_t begin, std::uint32_t end, const WallTest& test, std::vector<WallRun>& walls) noexcept
+      : h_(h), begin_(begin), end_(end), floor_(begin), test_(test), walls_(walls) {}
+
+  // The interval behind sample k starts a wall if it is large enough, stands out, and is not part of the last one.
+  void look_at(std::uint32_t k) {
+    constexpr double kNone = std::numeric_limits<double>::infinity(); // the ends of a run start no wall by themselves
+    if (k < floor_ || !test_.may_seed(ds(k), dw(k))) return;
+    if (test_.stands_out(ds(k), dw(k), k > begin_ ? dw(k - 1) : kNone, k + 2 < end_ ? dw(k + 1) : kNone)) grow(k);
+  }
+
+private:
+  [[nodiscard]] double ds(std::uint32_t k) const noexcept { return h_.s[k + 1] - h_.s[k]; }
+  [[nodiscard]] double dw(std::uint32_t k) const noexcept { return h_.w[k + 1] - h_.w[k]; }
+  void grow(std::uint32_t k) {
     const bool rising = dw(k) > 0.0;
     WallRun wall{k, k + 1, 0, 0, false};
-    const std::uint32_t floor = walls.size() > known ? walls.back().last : begin;
-    while (wall.first > floor && test.grows(ds(wall.first - 1), dw(wall.first - 1), rising)) --wall.first;
-    while (wall.last < last && test.grows(ds(wall.last), dw(wall.last), rising)) ++wall.last;
+    while (wall.first > floor_ && test_.grows(ds(wall.first - 1), dw(wall.first - 1), rising)) --wall.first;
+    while (wall.last + 1 < end_ && test_.grows(ds(wall.last), dw(wall.last), rising)) ++wall.last;
     wall.low = wall.first;
-    wall.high = wall.last;
-    wall.step = is_step(h, begin, end, wall, test) && wall.first >= begin + kLineEnd && wall.last + kLineEnd < end;
-    walls.push_back(wall);
-    k = wall.last;
+    wall.high = floor_ = wall.last;
+    wall.step = is_step(h_, begin_, end_, wall, test_) && wall.first >= begin_ + kLineEnd && wall.last + kLineEnd < end_;
+    walls_.push_back(wall);
+  }
+
+  const Heights& h_;
+  const std::uint32_t begin_, end_;
+  std::uint32_t floor_; // the last sample of the wall before
+  const WallTest& test_;
+  std::vector<WallRun>& walls_;
+};
+
+} // namespace
+
+void find_walls(const Heights& h, std::uint32_t begin, std::uint32_t end, const FitScale& scale, std::vector<WallRun>& walls) {
+  constexpr std::uint32_t kBlock = 128;
+  if (begin == end) return;
+  const WallTest test(scale);
+  WallGrower grower(h, begin, end, test, walls);
+  const std::uint32_t last = end - 1;
+  std::array<std::uint32_t, kBlock> high;
+  for (std::uint32_t k = begin; k < last; k += kBlock) {
+    const double* const w = h.w.data() + k;
+    const std::size_t count = passes::apart(w + 1, w, test.weak, high.data(), std::min(kBlock, last - k));
+    for (std::size_t i = 0; i < count; ++i) grower.look_at(k + high[i]);
   }
 }
 

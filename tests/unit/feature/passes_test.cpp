@@ -50,20 +50,6 @@ TEST(Passes, FindWhatIsApart) {
   for (const float limit : {0.0F, 1.0F, 2.5F, 100.0F}) expect_apart<float>(limit);
 }
 
-TEST(Passes, FindTheFirstThatIsApart) {
-  for (std::size_t n = 0; n < kMost; ++n) {
-    std::vector<double> a(n, 1.0), b(n, 1.5);
-    for (std::size_t at = 0; at <= n; ++at) {
-      if (at < n) a[at] = at % 2 == 0 ? 3.0 : -3.0;
-      for (const std::size_t from : {std::size_t{0}, at / 2, at}) {
-        EXPECT_EQ(passes::first_apart(a.data(), b.data(), 0.5, from, n), at) << n;
-        EXPECT_EQ(passes::portable::first_apart(a.data(), b.data(), 0.5, from, n), at) << n;
-      }
-      if (at < n) a[at] = 1.0;
-    }
-  }
-}
-
 TEST(Passes, FindColumnsThatBendOrStep) {
   const passes::ColumnLimits limits{2.0F, 3.5F};
   for (std::size_t n = 0; n < kMost; ++n) {
