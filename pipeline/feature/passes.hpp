@@ -59,7 +59,7 @@ struct Standing {
 
 /// Columns at (first + i) * pitch, with s[i] before each and s[i + 1] behind it, or hardly on the other side; in blocks.
 struct ColumnBlocks {
-  static constexpr std::size_t kSize = 16; ///< columns of a block
+  static constexpr std::size_t kSize = 16;     ///< columns of a block
   double first = 0.0, pitch = 1.0, base = 0.0; ///< pitch in mm; base: of heights
   double widest = 0.0, jump = 0.0;             ///< mm between the two samples, up
   double slack = 0.0;                          ///< mm
@@ -70,8 +70,8 @@ struct ColumnSamples {
   const std::uint32_t* number = nullptr;
 };
 /// Heights of the columns of up to `count` blocks, and the number of the sample nearest to each. Ends before the first block
-/// whose samples do not stand like this, or where another sample is the last one before its first column. In that block anything
-/// may have been written. Returns how many went before it.
+/// whose samples do not stand like this, or where another sample is the last one before its first column. In that block
+/// anything may have been written. Returns how many went before it.
 [[nodiscard]] std::size_t sample_columns(const ColumnSamples& samples, const ColumnBlocks& blocks, std::size_t count,
                                          float* height, std::uint32_t* source) noexcept;
 

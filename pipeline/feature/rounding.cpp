@@ -20,6 +20,14 @@ double arc_error(const Heights& h, std::uint32_t l, std::uint32_t r) noexcept {
   return std::max(0.0, Parabola::fit(sums).error);
 }
 
+// Roundings cut corners off: the line of a flank beyond one passes outside the corner. What passes inside has turned back.
+bool passes_inside(const Heights& h, std::uint32_t k, const Flank& flank, const Turning& corner,
+                   const FitScale& scale) noexcept {
+  constexpr double kSurely = 2.0; // sigmas
+  const double above = flank.at(h.s[k]) - h.w[k];
+  return flank.gap > 0 && (corner.clockwise() ? above : -above) < -kSurely * scale.sigma();
+}
+
 // Tangent length over the tangent of half the turning.
 double radius_of(double width, const RoundedEdge& edge) noexcept {
   constexpr double kTan89 = 57.289961630759;
@@ -38,7 +46,7 @@ RoundingSearch find_rounding(const Heights& h, std::uint32_t k, std::uint32_t fi
   const std::uint32_t size = std::clamp(window, scale.least_window, 2 * scale.least_window);
   const std::uint32_t most = scale.widest_gap;
   const Flank l = find_flank(h, k - 1, first, size, most, scale);
-  if (!l.straight || l.samples < kFewest) return RoundingSearch::none;
+  if (!l.straight || l.samples < kFewest || passes_inside(h, k, l, corner, scale)) return RoundingSearch::none;
   const Flank r = find_flank(h, k + 1, last, size, most, scale);
   if (!r.straight || r.samples < kFewest || !(l.rounded || r.rounded)) return RoundingSearch::none;
   if (std::abs(l.slope - r.slope) < 1e-9) return RoundingSearch::none;

@@ -72,7 +72,8 @@ namespace {
 // Grows walls of the run [begin, end) from intervals, in order, and adds them.
 class WallGrower {
 public:
-  WallGrower(const Heights& h, std::uint32_t begin, std::uint32_t end, const WallTest& test, std::vector<WallRun>& walls) noexcept
+  WallGrower(const Heights& h, std::uint32_t begin, std::uint32_t end, const WallTest& test,
+             std::vector<WallRun>& walls) noexcept
       : h_(h), begin_(begin), end_(end), floor_(begin), test_(test), walls_(walls) {}
 
   // The interval behind sample k starts a wall if it is large enough, stands out, and is not part of the last one.

@@ -102,11 +102,10 @@ bool is_confirmed(const Track& track) {
     smooth = smooth && p.feature.smooth;
   }
   if (evidence.is_sure()) return true;
-  if (n < kPoints) return false;
+  if (n < kPoints || !(smooth || evidence.sharpness() >= kSharpness)) return false;
   std::nth_element(turning.begin(), turning.begin() + static_cast<std::ptrdiff_t>(n / 2), turning.end());
   const double middle = turning[n / 2];
-  if (middle < kTurning || n < (middle < kWeak ? kWeakPoints : middle < kStrong ? kFairPoints : kPoints)) return false;
-  return smooth || evidence.sharpness() >= kSharpness;
+  return middle >= kTurning && n >= (middle < kWeak ? kWeakPoints : middle < kStrong ? kFairPoints : kPoints);
 }
 
 } // namespace scansion
