@@ -46,6 +46,7 @@ void cut_stretches(const Track& track, std::size_t count, std::size_t fewest, st
 
 bool is_enough(const Curve& curve) {
   constexpr std::size_t kStrong = 5, kFair = 8, kWeak = 14, kWeakest = 30;
+  constexpr std::size_t kFewWeak = 6, kFewWeakest = 10; // of what no arc explains
   Evidence evidence;
   std::size_t guided = 0;
   for (const CurvePoint& p : curve.points) {
@@ -54,8 +55,10 @@ bool is_enough(const Curve& curve) {
   }
   const auto n = curve.points.size();
   if (2 * guided > n) return false;
+  if (evidence.is_arc()) return false;
   if (evidence.is_sure()) return true;
   const double turning = evidence.turning();
+  if (evidence.is_edge()) return n >= (turning < 14.0 ? kFewWeakest : turning < 20.0 ? kFewWeak : kStrong);
   return n >= (turning < 14.0 ? kWeakest : turning < 20.0 ? kWeak : turning < 30.0 ? kFair : kStrong);
 }
 

@@ -49,6 +49,7 @@ FeaturePoint make_point(const Bend& bend, std::uint32_t k, const FitScale& scale
   p.tau = bend.tau;
   p.sigma_tau = bend.sigma_tau;
   p.sharpness = bend.sharpness;
+  p.narrow_sharpness = bend.narrow_sharpness;
   p.window = bend.window;
   const double sine = std::abs(std::sin(bend.tau * std::numbers::pi / 180.0));
   p.sigma_s = std::min(2.0 * scale.pitch, 1.5 * scale.noise / std::max(0.1, sine)) + 0.15 * scale.pitch;

@@ -15,6 +15,7 @@ struct FeaturePoint {
   double theta_before = 0.0, theta_after = 0.0;
   double tau = 0.0, sigma_tau = 1.0; ///< turning: above 0 concave
   double sharpness = 0.0;            ///< Lambda
+  double narrow_sharpness = 0.0;     ///< the same over the narrowest window, against an arc that is no feature; -4 to 4
   double width = 0.0;                ///< log2(D / least D)
   std::uint32_t k = 0;               ///< sample of the profile it was found at
   std::uint32_t sample = 0;          ///< the same, of the scan line

@@ -80,7 +80,7 @@ struct Corner {
   bool fitted = false;
   std::uint32_t window = 0;
   // What it takes more to know:
-  double s = 0.0, w = 0.0, sharpness = 0.0, radius = 0.0, misfit = 0.0;
+  double s = 0.0, w = 0.0, sharpness = 0.0, radius = 0.0, misfit = 0.0, narrow_sharpness = kNarrowSharpest;
 
   [[nodiscard]] bool is_significant(double sigmas) const noexcept { return turning.exceeds(sigmas * sigma); }
   [[nodiscard]] Bend bend() const noexcept {
@@ -92,6 +92,7 @@ struct Corner {
     b.tau = b.theta_after - b.theta_before;
     b.sigma_tau = sigma * kDegrees;
     b.sharpness = sharpness;
+    b.narrow_sharpness = narrow_sharpness;
     b.misfit = misfit;
     b.window = window;
     b.fitted = fitted;
@@ -235,6 +236,7 @@ std::optional<Corner> find_corner(const Heights& heights, std::uint32_t k, const
   Window window(heights, k, reach.before, reach.after);
   std::optional<Corner> best;
   bool arc = false;
+  double narrow = kNarrowSharpest;
   std::uint32_t samples = 0;
   for (std::uint32_t factor = 1; factor <= 8; factor *= 2) {
     window.grow(factor * scale.least_window);
@@ -244,6 +246,8 @@ std::optional<Corner> find_corner(const Heights& heights, std::uint32_t k, const
     if (!corner.turning.exceeds(kStraight)) return std::nullopt;
     if (factor == 1 && !corner.is_significant(kHardly)) return std::nullopt;
     window.measure(corner, scale);
+    if (factor == 1 && corner.radius > scale.arc_radius)
+      narrow = std::clamp(corner.sharpness, -kNarrowSharpest, kNarrowSharpest);
     if (corner.sharpness < kArc && corner.radius > scale.arc_radius && corner.is_significant(kLeastSignificance)) arc = true;
     if (factor > 1 && corner.misfit > kMisfit && best) break;
     if (corner.sharpness > kClearSharpness && corner.is_significant(kClearSignificance)) {
@@ -253,6 +257,7 @@ std::optional<Corner> find_corner(const Heights& heights, std::uint32_t k, const
     if (!best || corner.sharpness > best->sharpness) best = corner;
   }
   if (best && arc && best->sharpness < kSureCorner) best.reset();
+  if (best) best->narrow_sharpness = narrow;
   return best;
 }
 
@@ -310,6 +315,7 @@ std::optional<Bend> find_bend(const Heights& heights, std::uint32_t k, const Rea
   corner->lines.set(kBefore, edge.before);
   corner->lines.set(kAfter, edge.after);
   corner->sharpness = edge.sharpness;
+  corner->narrow_sharpness = kNarrowSharpest;
   corner->window = std::max(corner->window, edge.window);
   Bend bend = corner->bend();
   bend.rounding = edge.radius;

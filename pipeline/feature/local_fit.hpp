@@ -15,17 +15,20 @@ struct Heights {
   [[nodiscard]] std::size_t size() const noexcept { return s.size(); }
 };
 
+inline constexpr double kNarrowSharpest = 4.0; ///< what speaks for a corner no more than this, or against it
+
 /// Angles in degrees, lengths in mm.
 struct Bend {
   double s = 0.0, w = 0.0; ///< where the two lines meet, or the sample itself
   double theta_before = 0.0, theta_after = 0.0;
-  double tau = 0.0, sigma_tau = 1.0; ///< turning and its standard deviation
-  double sharpness = 0.0;            ///< Lambda: log likelihood of a corner over that of an arc
-  double misfit = 0.0;               ///< variance about the broken line over that of the noise
-  std::uint32_t window = 0;          ///< samples a side that were asked for
-  bool fitted = false;               ///< both sides had enough samples
-  double rounding = 0.0;             ///< radius of what rounds the edge, when its flanks were found beyond
-  std::uint32_t flank_after = 0;     ///< and the first sample of the one behind it
+  double tau = 0.0, sigma_tau = 1.0;         ///< turning and its standard deviation
+  double sharpness = 0.0;                    ///< Lambda: log likelihood of a corner over that of an arc
+  double narrow_sharpness = kNarrowSharpest; ///< Lambda over the narrowest window, against an arc that is no feature
+  double misfit = 0.0;                       ///< variance about the broken line over that of the noise
+  std::uint32_t window = 0;                  ///< samples a side that were asked for
+  bool fitted = false;                       ///< both sides had enough samples
+  double rounding = 0.0;                     ///< radius of what rounds the edge, when its flanks were found beyond
+  std::uint32_t flank_after = 0;             ///< and the first sample of the one behind it
 
   [[nodiscard]] double significance() const noexcept;
 };

@@ -101,11 +101,13 @@ bool is_confirmed(const Track& track) {
     evidence.add(p.feature);
     smooth = smooth && p.feature.smooth;
   }
+  if (evidence.is_arc()) return false;
   if (evidence.is_sure()) return true;
   if (n < kPoints || !(smooth || evidence.sharpness() >= kSharpness)) return false;
   std::nth_element(turning.begin(), turning.begin() + static_cast<std::ptrdiff_t>(n / 2), turning.end());
   const double middle = turning[n / 2];
-  return middle >= kTurning && n >= (middle < kWeak ? kWeakPoints : middle < kStrong ? kFairPoints : kPoints);
+  if (middle < kTurning) return false;
+  return evidence.is_edge() || n >= (middle < kWeak ? kWeakPoints : middle < kStrong ? kFairPoints : kPoints);
 }
 
 } // namespace scansion

@@ -107,6 +107,7 @@ bool Tracker::guide(Track& track, const Expectation& expected, const Profile& pr
   FeaturePoint point = make_point(bend, k, scale);
   point.width = last.width;
   point.guided = true;
+  point.narrow_sharpness = 0.0; // was not asked
   append(track, track_point(profile, step, point));
   return true;
 }
