@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace scansion {
 
@@ -117,8 +118,10 @@ void Tracker::end(Track& track, FeatureEnd reason, std::vector<Track>& ended) {
   track.ends = reason;
   track.growing = false;
   track.confirmed = track.shed > 0 || is_confirmed(track);
-  if (track.confirmed) ended.push_back(std::move(track));
-  track.points.clear();
+  if (track.confirmed)
+    ended.push_back(std::exchange(track, {}));
+  else
+    track.points.clear();
 }
 
 void Tracker::miss(const Profile& profile, std::int64_t step, const Sampling& sampling, std::vector<Track>& ended) {
