@@ -166,7 +166,8 @@ void SizeTables::add_levels(const LineSet& set, const Measured& m) {
 
 void SizeTables::add_targets(const LineSet& set, const Measured& m) {
   const std::string name = set.name + ": ";
-  const bool part = set.path.empty() && set.name == "part";
+  // The bars were set on a part that is not ours; of ours ribs is packed by others as that one was.
+  const bool part = set.path.empty() && (set.name == "part" || set.name == "ribs");
   const bool plane = set.path.empty() && set.name == "plane";
   judge(name + "ours / delta planes zstd -3", quotient(m.ours.file, m.planes.bytes), part ? kPlanes : kPlanesAnySet);
   if (part) {
