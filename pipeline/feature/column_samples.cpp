@@ -39,14 +39,15 @@ private:
   const double widest_, jump_; // mm: between samples, up
 };
 
-// Takes blocks of columns as long as samples stand beside them one by one, and none of them at a wall. Returns how many.
+// Takes blocks of columns as long as samples stand beside them one by one, and none of them at a wall. Returns how many
+// columns these are.
 std::uint32_t ColumnSampler::take_blocks(std::uint32_t k, std::int64_t column, std::uint32_t most) noexcept {
   const passes::ColumnBlocks blocks{static_cast<double>(column), grid_.pitch, grid_.base, widest_, jump_, kSlack * grid_.pitch};
   float* const height = height_ + (column - grid_.left);
-  const std::size_t count =
-      passes::sample_columns({s_ + k, w_ + k, samples_ + k}, blocks, most, height, source_ + (column - grid_.left));
-  if (count < most) std::fill_n(height + count * kBlock, kBlock, std::numeric_limits<float>::quiet_NaN());
-  return static_cast<std::uint32_t>(count);
+  const std::size_t columns =
+      kBlock * passes::sample_columns({s_ + k, w_ + k, samples_ + k}, blocks, most, height, source_ + (column - grid_.left));
+  if (columns < std::size_t{most} * kBlock) std::fill_n(height + columns, kBlock, std::numeric_limits<float>::quiet_NaN());
+  return static_cast<std::uint32_t>(columns);
 }
 
 void ColumnSampler::take(std::uint32_t k, std::int64_t column) noexcept {
@@ -64,10 +65,10 @@ void ColumnSampler::add_run(std::uint32_t begin, std::uint32_t end) noexcept {
   for (auto column = static_cast<std::int64_t>(std::ceil(s_[begin] / grid_.pitch)); column <= last;) {
     while (k + 2 < end && s_[k + 1] < place(column)) ++k;
     const auto blocks = static_cast<std::uint32_t>(std::min<std::int64_t>(end - 1 - k, last + 1 - column)) / kBlock;
-    const std::uint32_t count = singly == 0 && blocks > 0 ? take_blocks(k, column, blocks) : 0;
-    if (count > 0) {
-      k += count * kBlock - 1;
-      column += count * kBlock;
+    const std::uint32_t columns = singly == 0 && blocks > 0 ? take_blocks(k, column, blocks) : 0;
+    if (columns > 0) {
+      k += columns - 1;
+      column += columns;
     } else {
       take(k, column++);
       singly = singly > 0 ? singly - 1 : kBlock / 2;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <iterator>
 #include <limits>
+#include <optional>
 
 namespace scansion {
 
@@ -25,21 +26,22 @@ constexpr double kSmallTorn = 400.0;        // samples: fewer are no patch there
 // A patch too small to be one goes to what stands nearest, again and again until it is large enough.
 void dissolve(PatchGraph& graph, std::uint32_t id, FeatureReport& report) {
   while (graph.node(id).closed && graph.node(id).sums.count() < kSmall) {
-    const std::uint32_t* nearest = nullptr;
+    std::optional<std::uint32_t> nearest;
     double gap = std::numeric_limits<double>::infinity();
     for (const auto& [other, border] : graph.node(id).borders) {
       if (other == id || border.gap >= gap || graph.node(other).settled) continue;
       gap = border.gap;
-      nearest = &other;
+      nearest = other;
     }
-    if (nearest == nullptr) return;
+    if (!nearest) return;
     id = graph.unite(id, *nearest, report.merges);
   }
 }
 
 bool all_beside(const PatchGraph& graph, const PatchNode& node, bool PatchNode::*state) {
-  return std::all_of(node.borders.begin(), node.borders.end(),
-                     [&](const auto& entry) { return graph.node(entry.first).*state; });
+  for (const auto& [other, border] : node.borders)
+    if (!(graph.node(other).*state)) return false;
+  return true;
 }
 
 // What a patch is depends on what it borders on.

@@ -26,12 +26,11 @@ void Border::add(const Border& other) noexcept {
 }
 
 void PatchNode::restart() {
-  decltype(borders) room;
-  room.swap(borders);
+  Borders room = std::move(borders);
   std::destroy_at(this);
   std::construct_at(this);
   room.clear();
-  borders.swap(room);
+  borders = std::move(room);
 }
 
 std::uint32_t PatchGraph::create(std::int64_t row) {
@@ -127,12 +126,12 @@ void PatchGraph::forget(std::uint32_t id) {
   for (const auto& [other, border] : gone.borders) {
     if (other == id) continue;
     PatchNode& neighbour = node(other);
-    const auto mine = neighbour.borders.find(id);
-    if (mine->second.total() > 0.0) {
-      (neighbour.encloses(gone) ? neighbour.past_inside : neighbour.past_outside).add(mine->second);
+    const Border& mine = neighbour.borders.at(id);
+    if (mine.total() > 0.0) {
+      (neighbour.encloses(gone) ? neighbour.past_inside : neighbour.past_outside).add(mine);
       if (gone.real) add_past(neighbour.past, id);
     }
-    neighbour.borders.erase(mine);
+    neighbour.borders.erase(id);
   }
   remove(at);
 }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "pipeline/feature/borders.hpp"
 #include "pipeline/feature/cuts.hpp"
 #include "pipeline/feature/patch_shape.hpp"
 
@@ -13,22 +14,10 @@
 
 namespace scansion {
 
-/// The border of one patch with another, lengths in mm. A patch may border on itself: a crease that ends inside of it.
-struct Border {
-  std::array<double, 3> length{}; ///< by BorderKind: convex, concave, step
-  double backed = 0.0;            ///< of these, backed by points of feature lines
-  double contact = 0.0;           ///< where nothing cuts them apart
-  double height = 0.0;            ///< integral of (this patch's height - the other's) along the border, steps only
-  std::array<double, 3> rim{};    ///< integral of this patch's own (s, c, w) along the border
-  double gap = 1e300;             ///< between the nearest two samples, in space
-  [[nodiscard]] double total() const noexcept { return length[0] + length[1] + length[2]; }
-  void add(const Border& other) noexcept;
-};
-
 struct PatchNode {
   PatchSums sums;
-  boost::container::flat_map<std::uint32_t, Border> borders; ///< by the other patch's id
-  double open = 0.0;                                         ///< border on the end of the data, mm
+  Borders borders;
+  double open = 0.0; ///< border on the end of the data, mm
   std::int64_t last_row = 0;
   double s_low = 1e300, s_high = -1e300, c_low = 1e300, c_high = -1e300;
   bool doubtful = false;

@@ -113,10 +113,10 @@ void PatchGrower::find_contacts() {
 // Would the two be joined over a contact that is short against the border that parts them?
 bool PatchGrower::is_leak(std::uint32_t a, std::uint32_t b, const Sampling& sampling) {
   const PatchNode& node = graph_.node(a);
-  const auto at = node.borders.find(b);
-  if (at == node.borders.end() || at->second.total() <= 0.0) return false;
+  const Border* const border = node.borders.find(b);
+  if (border == nullptr || border->total() <= 0.0) return false;
   if (node.sums.count() < kLarge || graph_.node(b).sums.count() < kLarge) return false;
-  if (at->second.contact >= std::max(4.0 * sampling.coarse(), kNarrow * at->second.total())) return false;
+  if (border->contact >= std::max(4.0 * sampling.coarse(), kNarrow * border->total())) return false;
   // What lies on one surface belongs together, however the border between both came about.
   return node.sums.misfit_with(graph_.node(b).sums, sampling.noise) > kOneSurface;
 }
