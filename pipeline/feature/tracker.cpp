@@ -91,7 +91,9 @@ bool Tracker::guide(Track& track, const Expectation& expected, const Profile& pr
   std::uint32_t k = 0;
   for (int round = 0; round < 2; ++round) {
     if (s <= profile.s.front() || s >= profile.s.back()) return false;
-    k = nearest_sample(profile, s);
+    const std::uint32_t nearest = nearest_sample(profile, s);
+    if (round > 0 && nearest == k) break; // as before
+    k = nearest;
     if (std::abs(profile.s[k] - s) > 3.5 * sampling.pitch) return false;
     const auto run = std::upper_bound(profile.ends.begin(), profile.ends.end(), k);
     const std::uint32_t begin = run == profile.ends.begin() ? 0 : *(run - 1);
