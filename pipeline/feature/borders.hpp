@@ -22,8 +22,8 @@ struct Border {
   void add(const Border& other) noexcept;
 };
 
-/// Borders by the other patch's id, in ascending order. Ids lie together: each row asks for a few among many. References are good
-/// until borders are added or erased.
+/// Borders by the other patch's id, in ascending order. Ids lie together: each row asks for a few among many. References are
+/// good until borders are added or erased.
 class Borders {
 public:
   class Iterator {
