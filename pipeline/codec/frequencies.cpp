@@ -8,53 +8,6 @@
 #include <cstdlib>
 
 namespace scansion {
-namespace {
-
-// n log2 n of small counts.
-constexpr std::uint32_t kSmall = 512;
-const auto kSmallProducts = [] {
-  std::array<std::uint32_t, kSmall> products{};
-  for (std::uint32_t n = 1; n < kSmall; ++n) products[n] = n * log2_fixed(n);
-  return products;
-}();
-
-std::uint64_t times_its_log(std::uint32_t n) noexcept {
-  return n < kSmall ? kSmallProducts[n] : std::uint64_t{n} * log2_fixed(n);
-}
-
-// What a table costs, roughly: its start, and for each token its class and what its frequency is beside its count.
-constexpr std::uint64_t kTableCost = std::uint64_t{48} << kLogBits;
-constexpr std::uint64_t kTokenCost = std::uint64_t{6} << kLogBits;
-
-} // namespace
-
-namespace {
-
-template <class CountOf>
-std::uint64_t cost_of(std::size_t tokens, CountOf&& count_of) noexcept {
-  std::uint64_t sum = 0;
-  std::uint64_t own = 0;
-  std::uint64_t used = 0;
-  for (std::size_t t = 0; t < tokens; ++t) {
-    const std::uint32_t n = count_of(t);
-    sum += n;
-    own += times_its_log(n);
-    used += n != 0 ? 1U : 0U;
-  }
-  if (sum == 0) return 0;
-  return sum * log2_fixed(static_cast<std::uint32_t>(sum)) - own + kTableCost + used * kTokenCost;
-}
-
-} // namespace
-
-std::uint64_t coded_cost(const TokenCounts& counts, std::size_t tokens) noexcept {
-  return cost_of(tokens, [&](std::size_t t) { return counts[t]; });
-}
-
-std::uint64_t coded_cost(const TokenCounts& a, const TokenCounts& b, std::size_t tokens) noexcept {
-  return cost_of(tokens, [&](std::size_t t) { return a[t] + b[t]; });
-}
-
 bool frequencies_of(const Classes& classes, Frequencies& out) noexcept {
   std::uint32_t sum = 0;
   for (const std::uint8_t k : classes) sum += weight_of(k);

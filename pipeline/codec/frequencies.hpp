@@ -23,12 +23,6 @@ inline constexpr std::uint8_t kMaxClass = 48;
   return k == 0 ? 0 : (4U + (k - 1U) % 4U) << ((k - 1U) / 4U);
 }
 
-/// What `counts` cost when coded with their own frequencies, table included, in units of 1/4096 bit; only the first `tokens`
-/// occur.
-[[nodiscard]] std::uint64_t coded_cost(const TokenCounts& counts, std::size_t tokens) noexcept;
-/// The same for both together.
-[[nodiscard]] std::uint64_t coded_cost(const TokenCounts& a, const TokenCounts& b, std::size_t tokens) noexcept;
-
 /// The classes for which table and tokens together are about the cheapest.
 [[nodiscard]] Classes classes_of(const TokenCounts& counts) noexcept;
 /// False when no token occurs.

@@ -137,6 +137,25 @@ SCANSION_INLINE void ramp_body(std::uint32_t first, std::uint32_t step, std::int
   for (std::size_t i = 0; i < n; ++i) to[i] = static_cast<std::int32_t>(first + step * static_cast<std::uint32_t>(i));
 }
 
+SCANSION_INLINE void slope_body(std::int32_t from, std::int64_t step, std::int32_t* __restrict to, std::size_t n) noexcept {
+  std::int64_t sum = std::int64_t{from} * 65536;
+  for (std::size_t i = 0; i < n; ++i) {
+    sum += step;
+    to[i] = static_cast<std::int32_t>(static_cast<std::uint64_t>(sum) >> 16U);
+  }
+}
+
+SCANSION_INLINE void off_slope_body(std::int32_t from, std::int64_t step, const std::int32_t* __restrict values,
+                                    std::int32_t* __restrict chord, std::int32_t* __restrict off, std::size_t n) noexcept {
+  std::int64_t sum = std::int64_t{from} * 65536;
+  for (std::size_t i = 0; i < n; ++i) {
+    sum += step;
+    const auto on_chord = static_cast<std::int32_t>(static_cast<std::uint64_t>(sum) >> 16U);
+    chord[i] = on_chord;
+    off[i] = minus(values[i], on_chord);
+  }
+}
+
 SCANSION_INLINE void sizes_body(const std::int32_t* __restrict residual, std::uint32_t limit, std::int32_t* __restrict size,
                                 std::size_t n) noexcept {
   // The largest negative number is no larger than the limit either way round.
@@ -239,6 +258,14 @@ __attribute__((target("avx2"))) void ramp_avx2(std::uint32_t first, std::uint32_
                                                std::size_t n) noexcept {
   ramp_body(first, step, to, n);
 }
+__attribute__((target("avx2"))) void slope_avx2(std::int32_t from, std::int64_t step, std::int32_t* to,
+                                                std::size_t n) noexcept {
+  slope_body(from, step, to, n);
+}
+__attribute__((target("avx2"))) void off_slope_avx2(std::int32_t from, std::int64_t step, const std::int32_t* values,
+                                                    std::int32_t* chord, std::int32_t* off, std::size_t n) noexcept {
+  off_slope_body(from, step, values, chord, off, n);
+}
 __attribute__((target("avx2"))) void sizes_avx2(const std::int32_t* residual, std::uint32_t limit, std::int32_t* size,
                                                 std::size_t n) noexcept {
   sizes_body(residual, limit, size, n);
@@ -280,6 +307,8 @@ constexpr auto above_avx2 = above_body;
 constexpr auto count_above_avx2 = count_above_body;
 constexpr auto from_steps_avx2 = from_steps_body;
 constexpr auto ramp_avx2 = ramp_body;
+constexpr auto slope_avx2 = slope_body;
+constexpr auto off_slope_avx2 = off_slope_body;
 constexpr auto sizes_avx2 = sizes_body;
 constexpr auto tokens_avx2 = tokens_body;
 constexpr auto bounds_avx2 = bounds_body;
@@ -352,11 +381,12 @@ void cap(std::uint8_t* values, std::uint8_t most, std::size_t n) noexcept {
 }
 
 void slope(std::int32_t from, std::int64_t step, std::int32_t* to, std::size_t n) noexcept {
-  std::int64_t sum = std::int64_t{from} * 65536;
-  for (std::size_t i = 0; i < n; ++i) {
-    sum += step;
-    to[i] = static_cast<std::int32_t>(static_cast<std::uint64_t>(sum) >> 16U);
-  }
+  has_avx2() ? slope_avx2(from, step, to, n) : slope_body(from, step, to, n);
+}
+
+void off_slope(std::int32_t from, std::int64_t step, const std::int32_t* values, std::int32_t* chord, std::int32_t* off,
+               std::size_t n) noexcept {
+  has_avx2() ? off_slope_avx2(from, step, values, chord, off, n) : off_slope_body(from, step, values, chord, off, n);
 }
 
 void bounds(const std::int32_t* values, std::size_t n, std::int32_t& low, std::int32_t& high) noexcept {

@@ -32,8 +32,15 @@ void ramp(std::uint32_t first, std::uint32_t step, std::int32_t* to, std::size_t
 /// Whether all values differ from the first one by multiples of `step`.
 [[nodiscard]] bool share_step(const std::int32_t* values, std::uint32_t step, std::size_t n) noexcept;
 
+/// Sets bit i of `bits`, the least significant first, for each of the n counts that is not 0.
+void nonzero(const std::uint32_t* counts, std::size_t n, std::uint64_t* bits) noexcept;
+
 /// to[i] = from + (step * (i + 1) >> 16), modulo 2^32.
 void slope(std::int32_t from, std::int64_t step, std::int32_t* to, std::size_t n) noexcept;
+
+/// The same to `chord`, and what the values have beyond that to `off`.
+void off_slope(std::int32_t from, std::int64_t step, const std::int32_t* values, std::int32_t* chord, std::int32_t* off,
+               std::size_t n) noexcept;
 
 /// Points of one line that lie side by side; each pointer is at the first of them.
 struct Above {

@@ -30,6 +30,10 @@ bool share_step_body(const std::int32_t* values, std::uint32_t step, std::size_t
   return true;
 }
 
+void nonzero_body(const std::uint32_t* counts, std::size_t from, std::size_t n, std::uint64_t* bits) noexcept {
+  for (std::size_t i = from; i < n; ++i) bits[i / 64] |= std::uint64_t{counts[i] != 0 ? 1U : 0U} << i % 64;
+}
+
 #if defined(__x86_64__)
 constexpr std::size_t kLanes = 8;
 using Whole = std::int32_t __attribute__((vector_size(4 * kLanes)));
@@ -46,6 +50,16 @@ __attribute__((target("avx2"), always_inline)) inline Positive amounts(Whole a, 
 }
 __attribute__((target("avx2"), always_inline)) inline std::uint32_t marks(Whole lanes) noexcept {
   return static_cast<std::uint32_t>(__builtin_ia32_movmskps256(reinterpret_cast<Real>(lanes)));
+}
+
+__attribute__((target("avx2"))) void nonzero_avx2(const std::uint32_t* counts, std::size_t n, std::uint64_t* bits) noexcept {
+  std::size_t i = 0;
+  for (; i + kLanes <= n; i += kLanes) {
+    Whole v;
+    std::memcpy(&v, counts + i, sizeof v);
+    bits[i / 64] |= std::uint64_t{marks(v != 0)} << i % 64;
+  }
+  nonzero_body(counts, i, n, bits);
 }
 
 __attribute__((target("avx2"))) std::size_t in_step_avx2(const std::int32_t* here, const std::int32_t* above,
@@ -83,6 +97,9 @@ __attribute__((target("avx2"))) bool share_step_avx2(const std::int32_t* values,
   return true;
 }
 #else
+void nonzero_avx2(const std::uint32_t* counts, std::size_t n, std::uint64_t* bits) noexcept {
+  nonzero_body(counts, 0, n, bits);
+}
 constexpr auto in_step_avx2 = in_step_body;
 constexpr auto share_step_avx2 = share_step_body;
 #endif
@@ -91,6 +108,10 @@ constexpr auto share_step_avx2 = share_step_body;
 
 std::size_t in_step(const std::int32_t* here, const std::int32_t* above, std::size_t n) noexcept {
   return has_avx2() ? in_step_avx2(here, above, n) : in_step_body(here, above, n);
+}
+
+void nonzero(const std::uint32_t* counts, std::size_t n, std::uint64_t* bits) noexcept {
+  has_avx2() ? nonzero_avx2(counts, n, bits) : nonzero_body(counts, 0, n, bits);
 }
 
 bool share_step(const std::int32_t* values, std::uint32_t step, std::size_t n) noexcept {

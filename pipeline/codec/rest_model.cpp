@@ -60,32 +60,22 @@ bool is_straight(const LineGroup& group, const ScanLine& line, const GroupState&
 
 void RestAxis::fill(std::span<const Run> runs, std::span<const PointIndex> vertices, std::span<const std::int32_t> u) {
   for (auto& mean : means) mean.resize(u.size());
-  const std::int32_t* __restrict const from = u.data();
-  std::int32_t* __restrict const on_chord = chord.data();
-  std::int32_t* __restrict const off_chord = deviation.data();
-  std::int32_t* __restrict const fast = means[0].data();
-  std::int32_t* __restrict const slow = means[1].data();
   const auto at_vertex = [&](PointIndex v) {
-    on_chord[v] = from[v];
-    off_chord[v] = 0;
+    chord[v] = u[v];
+    deviation[v] = 0;
   };
   std::size_t v = 0;
   for (const Run& run : runs) {
     RunningMeans now;
     at_vertex(run.first);
     for (const PointIndex last = run.first + run.count - 1; vertices[v] != last; ++v) {
-      const Chord line(u, vertices[v], vertices[v + 1]);
-      std::int64_t here = std::int64_t{from[vertices[v]]} * (std::int64_t{1} << Chord::kStepBits);
-      for (PointIndex i = vertices[v] + 1; i < vertices[v + 1]; ++i) {
-        here += line.step;
-        on_chord[i] = wrap(here >> Chord::kStepBits);
-        const std::int32_t off = wrap(std::int64_t{from[i]} - on_chord[i]);
-        off_chord[i] = off;
-        fast[i] = now.fast;
-        slow[i] = now.slow;
-        now.add(off);
-      }
-      at_vertex(vertices[v + 1]);
+      const PointIndex from = vertices[v] + 1;
+      const PointIndex end = vertices[v + 1];
+      at_vertex(end);
+      if (from == end) continue;
+      const Chord line(u, from - 1, end);
+      kernels::off_slope(u[from - 1], line.step, u.data() + from, chord.data() + from, deviation.data() + from, end - from);
+      now.pass(deviation.data() + from, means[0].data() + from, means[1].data() + from, end - from);
     }
     ++v;
   }

@@ -60,6 +60,17 @@ struct RunningMeans {
     slow = toward(slow, kSlow);
     before_ = deviation;
   }
+  /// Adds several, and writes what each of them finds.
+  void pass(const std::int32_t* __restrict deviation, std::int32_t* __restrict fasts, std::int32_t* __restrict slows,
+            std::size_t n) noexcept {
+    RunningMeans now = *this; // in registers
+    for (std::size_t i = 0; i < n; ++i) {
+      fasts[i] = now.fast;
+      slows[i] = now.slow;
+      now.add(deviation[i]);
+    }
+    *this = now;
+  }
 
 private:
   [[nodiscard]] std::int32_t toward(std::int32_t mean, unsigned share) const noexcept {

@@ -5,20 +5,11 @@
 #include "pipeline/codec/kernels.hpp"
 
 namespace scansion {
-namespace {
-
-void add(TokenCounts& to, const TokenCounts& counts, std::size_t tokens) noexcept {
-  for (std::size_t t = 0; t < tokens; ++t) to[t] += counts[t];
-}
-
-} // namespace
 
 void SymbolWriter::clear() noexcept {
   size_ = 0;
-  plain_.clear();
-  for (; used_ != 0; used_ &= used_ - 1) counts_[static_cast<std::size_t>(std::countr_zero(used_))].fill(0);
+  shared_.clear();
   counted_ = false;
-  tables_chosen_ = 0;
 }
 
 void SymbolWriter::grow(std::size_t more) {
@@ -31,109 +22,36 @@ void SymbolWriter::grow(std::size_t more) {
 // Tokens of all values, and how many of each there are in each context; as many at a time as stay in the nearest cache.
 void SymbolWriter::count() {
   constexpr std::size_t kBlock = 2048;
-  std::uint64_t used = 0;
   last_token_ = 0;
   for (std::size_t from = 0; from < size_; from += kBlock) {
-    const std::size_t end = std::min(size_, from + kBlock);
-    last_token_ =
-        std::max<std::uint32_t>(last_token_, kernels::tokens(values_.data() + from, tokens_.data() + from, end - from));
-    for (std::size_t i = from; i < end; ++i) {
-      used |= std::uint64_t{1} << contexts_[i];
-      ++counts_[contexts_[i]][tokens_[i]];
-    }
+    const std::size_t n = std::min(size_ - from, kBlock);
+    last_token_ = std::max<std::uint32_t>(last_token_, kernels::tokens(values_.data() + from, tokens_.data() + from, n));
+    shared_.count(contexts_.data() + from, tokens_.data() + from, n, last_token_);
   }
-  used_ = used;
-  if (last_token_ >= kDirectTokens) find_plain();
   counted_ = true;
-}
-
-void SymbolWriter::find_plain() {
-  constexpr std::uint64_t kDirectBits = (kDirectTokens - 1) * 0x0101'0101'0101'0101U;
-  for (std::size_t from = 0; from < size_; from += kStride) { // most eights have none
-    std::uint64_t eight;
-    std::memcpy(&eight, tokens_.data() + from, sizeof eight);
-    if ((eight & ~kDirectBits) == 0) continue;
-    for (std::size_t i = from; i < std::min(size_, from + kStride); ++i)
-      if (tokens_[i] >= kDirectTokens) plain_.push_back(static_cast<std::uint32_t>(i));
-  }
-}
-
-// Contexts stand in the order of growing residuals. Neighbours share a table where that is cheaper than two tables.
-void SymbolWriter::choose_tables() {
-  struct Span {
-    std::size_t end;         // contexts of the table end here
-    std::size_t tokens;      // which the table has
-    std::uint64_t cost;      // of the table and its tokens
-    std::uint64_t with_next; // of one table for this and the next
-  };
-  std::array<Span, kMaxContexts> spans;
-  std::size_t n = 0;
-  const auto cost_with_next = [&](std::size_t s) {
-    return coded_cost(merged_[s], merged_[s + 1], std::max(spans[s].tokens, spans[s + 1].tokens));
-  };
-  for (std::uint64_t used = used_; used != 0; used &= used - 1) {
-    const auto c = static_cast<std::size_t>(std::countr_zero(used));
-    std::size_t tokens = last_token_ + 1;
-    while (counts_[c][tokens - 1] == 0) --tokens;
-    merged_[n] = counts_[c];
-    spans[n++] = {c + 1, tokens, coded_cost(counts_[c], tokens), 0};
-  }
-  for (std::size_t s = 0; s + 1 < n; ++s) spans[s].with_next = cost_with_next(s);
-  while (n > 1) {
-    std::size_t best = 0;
-    std::int64_t best_gain = std::numeric_limits<std::int64_t>::min();
-    for (std::size_t s = 0; s + 1 < n; ++s) {
-      const auto gain = static_cast<std::int64_t>(spans[s].cost + spans[s + 1].cost - spans[s].with_next);
-      if (gain > best_gain) {
-        best = s;
-        best_gain = gain;
-      }
-    }
-    if (best_gain < 0 && n <= kMaxTables) break;
-    add(merged_[best], merged_[best + 1], spans[best + 1].tokens);
-    spans[best] = {spans[best + 1].end, std::max(spans[best].tokens, spans[best + 1].tokens), spans[best].with_next, 0};
-    for (std::size_t s = best + 1; s + 1 < n; ++s) {
-      spans[s] = spans[s + 1];
-      merged_[s] = merged_[s + 1];
-    }
-    --n;
-    if (best + 1 < n) spans[best].with_next = cost_with_next(best);
-    if (best > 0) spans[best - 1].with_next = cost_with_next(best - 1);
-  }
-  cost_ = 0;
-  std::size_t context = 0;
-  for (std::size_t s = 0; s < n; ++s) cost_ += spans[s].cost;
-  for (std::size_t s = 0; s < n; ++s)
-    while (context < spans[s].end) table_of_[context++] = static_cast<std::uint8_t>(s);
-  while (context < kMaxContexts) table_of_[context++] = static_cast<std::uint8_t>(n - 1);
-  tables_chosen_ = n;
 }
 
 std::uint64_t SymbolWriter::estimate() {
   count();
-  if (last_token_ == 0) return 0;
-  choose_tables();
-  std::uint64_t cost = cost_;
-  for (const std::uint32_t i : plain_) cost += std::uint64_t{kTokenRanges[tokens_[i]].bits} << kLogBits;
-  return cost >> kLogBits;
+  return last_token_ == 0 ? 0 : shared_.choose() >> kLogBits;
 }
 
 template <std::size_t kStates>
 void SymbolWriter::write(Bytes& to) {
   if (!counted_) count();
   const bool zero = last_token_ == 0;
-  if (!zero && tables_chosen_ == 0) choose_tables();
-  const std::size_t tables = zero ? 0 : tables_chosen_;
+  if (!zero && shared_.tables() == 0) (void)shared_.choose();
+  const std::size_t tables = zero ? 0 : shared_.tables();
   to.push_back(static_cast<std::byte>(tables));
   if (zero) return;
   std::size_t context = 0;
   for (std::uint8_t s = 0; s + 1U < tables; ++s) {
-    while (table_of_[context] == s) ++context;
+    while (shared_.table_of(context) == s) ++context;
     to.push_back(static_cast<std::byte>(context));
   }
   BitWriter bits(to);
   for (std::size_t s = 0; s < tables; ++s) {
-    const Classes classes = classes_of(merged_[s]);
+    const Classes classes = classes_of(shared_.counts(s));
     Frequencies frequencies;
     (void)frequencies_of(classes, frequencies);
     tables_[s].set(frequencies);
@@ -149,13 +67,13 @@ template void SymbolWriter::write<kLongStates>(Bytes& to);
 template <std::size_t kStates>
 void SymbolWriter::write_symbols(Bytes& to) {
   // Last in, first out: the reader's first token is pushed last.
-  words_.resize(2 * size_ + 4 * kStates);
+  words_.resize(std::max(words_.size(), 2 * size_ + 4 * kStates));
   std::byte* const end = words_.data() + words_.size();
   std::byte* at = end;
   std::array<std::uint32_t, kStates> states;
   states.fill(kRansLow);
   std::array<const RansEncodeTable::Entry*, kMaxContexts> entries;
-  for (std::size_t c = 0; c < kMaxContexts; ++c) entries[c] = tables_[table_of_[c]].entries.data();
+  for (std::size_t c = 0; c < kMaxContexts; ++c) entries[c] = tables_[shared_.table_of(c)].entries.data();
   const std::uint8_t* const tokens = tokens_.data();
   const std::uint8_t* const contexts = contexts_.data();
   std::size_t n = size_;
@@ -171,16 +89,31 @@ void SymbolWriter::write_symbols(Bytes& to) {
   for (std::size_t s = kStates; s-- > 0;) store_le(at -= 4, states[s]);
   put_varint(to, static_cast<std::uint64_t>(end - at));
   to.insert(to.end(), at, end);
+  write_plain(to);
+}
 
-  words_.clear();
-  BitWriter bits(words_);
-  for (const std::uint32_t i : plain_) {
-    const TokenRange& range = kTokenRanges[tokens_[i]];
-    bits.put(fold(values_[i]) - range.first, range.bits);
+// Most eights of tokens have none with plain bits.
+void SymbolWriter::write_plain(Bytes& to) {
+  constexpr std::uint64_t kOverDirect = ~std::uint64_t{kDirectTokens - 1} & 0xFFU;
+  constexpr std::uint64_t kAnyOver = kOverDirect * 0x0101'0101'0101'0101U;
+  bits_.clear();
+  BitWriter bits(bits_);
+  for (std::size_t from = 0; last_token_ >= kDirectTokens && from < size_; from += kStride) {
+    std::uint64_t over;
+    std::memcpy(&over, tokens_.data() + from, sizeof over);
+    over &= kAnyOver;
+    while (over != 0) {
+      const auto place = static_cast<unsigned>(std::countr_zero(over)) / 8;
+      const std::size_t i = from + place;
+      if (i >= size_) break;
+      over &= ~(std::uint64_t{0xFF} << 8 * place);
+      const TokenRange& range = kTokenRanges[tokens_[i]];
+      bits.put(fold(values_[i]) - range.first, range.bits);
+    }
   }
   bits.flush();
-  put_varint(to, words_.size());
-  to.insert(to.end(), words_.begin(), words_.end());
+  put_varint(to, bits_.size());
+  to.insert(to.end(), bits_.begin(), bits_.end());
 }
 
 SymbolReader::SymbolReader() {

@@ -2,13 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "pipeline/codec/context_tables.hpp"
 #include "pipeline/codec/rans.hpp"
 #include "pipeline/codec/varint.hpp"
 
 namespace scansion {
-
-inline constexpr std::size_t kMaxContexts = 48;
-inline constexpr std::size_t kMaxTables = 12;
 
 /// Collects residuals front to back, then writes them. One object, one thread; memory is used again.
 class SymbolWriter {
@@ -39,29 +37,23 @@ public:
 private:
   void grow(std::size_t more);
   void count();
-  void find_plain();
-  void choose_tables();
   template <std::size_t kStates>
   void write(Bytes& to);
   template <std::size_t kStates>
   void write_symbols(Bytes& to);
+  void write_plain(Bytes& to);
 
   // The first size_ of these count; the others are memory.
   std::vector<std::int32_t> values_;
   std::vector<std::uint8_t> contexts_;
   std::vector<std::uint8_t> tokens_;
   std::size_t size_ = 0;
-  bool counted_ = false;             ///< what follows holds for all values
-  std::vector<std::uint32_t> plain_; ///< indexes of symbols that have plain bits
-  std::array<TokenCounts, kMaxContexts> counts_{};
-  std::uint64_t used_ = 0;                            ///< contexts that have counts
-  std::uint32_t last_token_ = 0;                      ///< the largest
-  std::size_t tables_chosen_ = 0;                     ///< 0: not yet
-  std::uint64_t cost_ = 0;                            ///< of tables and tokens
-  std::array<std::uint8_t, kMaxContexts> table_of_{}; ///< by context
-  std::array<TokenCounts, kMaxContexts> merged_{};
+  bool counted_ = false;         ///< what follows holds for all values
+  std::uint32_t last_token_ = 0; ///< the largest
+  ContextTables shared_;
   std::array<RansEncodeTable, kMaxTables> tables_{};
-  Bytes words_;
+  Bytes words_; ///< memory
+  Bytes bits_;
 };
 
 /// Reads what a SymbolWriter wrote, one value at a time. Hostile bytes give wrong values and a false finish(), nothing worse.
