@@ -52,12 +52,9 @@ std::uint64_t WeightFit::cost(const Weights& weights, std::size_t count, std::ve
 // Each row counts by the inverse square of its own size: edges, where nothing can be predicted, must not decide. What is
 // smaller than usual counts like the usual: there rounding decides.
 void WeightFit::measure() {
-  sizes_.clear();
-  for (const Sample& s : rows_) {
-    double size = 0;
-    for (std::size_t k = 0; k < s.size(); ++k) size += k < kLeft || k >= kLineWeights ? std::abs(static_cast<double>(s[k])) : 0;
-    sizes_.push_back(size / (kWeights - kMeans + 1));
-  }
+  sizes_.resize(rows_.size());
+  kernels::row_amounts(rows_.data()->data(), sizes_.data(), rows_.size());
+  for (double& size : sizes_) size /= kWeights - kMeans + 1;
   usual_.assign(sizes_.begin(), sizes_.end());
   const auto middle = usual_.begin() + static_cast<std::ptrdiff_t>(usual_.size() / 2);
   std::ranges::nth_element(usual_, middle);
@@ -66,14 +63,16 @@ void WeightFit::measure() {
 }
 
 // With weights at hand a row counts by what they leave of it, too. The first weights are for a choice and need fewer rows.
-WeightFit::Normal WeightFit::normal_of(const std::int32_t* left, std::size_t count) const noexcept {
+WeightFit::Normal WeightFit::normal_of(const std::int32_t* left, std::size_t count) {
   Normal normal{};
   const std::size_t stride = left != nullptr ? 1 : 2;
+  factors_.clear();
   for (std::size_t row = 0; row < rows_.size(); row += stride) {
     double square = sizes_[row] * sizes_[row];
     if (left != nullptr) square = (square + static_cast<double>(left[row]) * static_cast<double>(left[row])) / 2;
-    kernels::add_products(rows_[row].data(), 1.0 / (square + floor_), normal[0].data(), count);
+    factors_.push_back(1.0 / (square + floor_));
   }
+  kernels::add_products(rows_.data()->data(), stride, factors_.data(), factors_.size(), normal[0].data(), count);
   return normal;
 }
 

@@ -29,12 +29,12 @@ private:
   using Sample = std::array<std::int32_t, kColumns>;
   using Normal = std::array<std::array<double, kColumns>, kWeights>;
   void measure();
-  [[nodiscard]] Normal normal_of(const std::int32_t* left, std::size_t count) const noexcept;
+  [[nodiscard]] Normal normal_of(const std::int32_t* left, std::size_t count);
   [[nodiscard]] static Weights solve(Normal normal, std::size_t count) noexcept;
   [[nodiscard]] std::uint64_t cost(const Weights& weights, std::size_t count, std::vector<std::int32_t>& left) const;
   std::vector<Sample> rows_;
   std::vector<double> sizes_; ///< mean size of what stands in each row
-  std::vector<double> usual_;
+  std::vector<double> usual_, factors_;
   std::vector<std::int32_t> left_, best_left_; ///< of each row, by weights
   double floor_ = 1.0;
 };

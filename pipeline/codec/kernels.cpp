@@ -98,19 +98,42 @@ SCANSION_INLINE Row row_of(const std::int32_t* numbers) noexcept {
   return row;
 }
 
-// Four at a time by hand: left alone, GCC 12 unrolls this loop into single numbers.
-SCANSION_INLINE void add_products_body(const std::int32_t* numbers, double factor, double* normal, std::size_t count) noexcept {
-  const Row row = row_of(numbers);
+// Four at a time by hand: left alone, GCC 12 unrolls this loop into single numbers. Several rows together save most loads and
+// stores of the sums; the order of additions stays.
+template <std::size_t kRows>
+SCANSION_INLINE void add_rows(const std::int32_t* rows, std::size_t stride, const double* factors, double* normal,
+                              std::size_t count) noexcept {
+  std::array<Row, kRows> row;
+  for (std::size_t r = 0; r < kRows; ++r) row[r] = row_of(rows + 16 * stride * r);
   for (std::size_t i = 0; i < count; ++i) {
-    const double xi = numbers[i] * factor;
-    for (std::size_t j = 0; j < row.size(); ++j) {
-      if (j > i / 4 && j + 1 < row.size()) continue; // symmetric: what the lower half says
+    std::array<double, kRows> x;
+    for (std::size_t r = 0; r < kRows; ++r) x[r] = rows[16 * stride * r + i] * factors[r];
+    for (std::size_t j = 0; j < std::tuple_size_v<Row>; ++j) {
+      if (j > i / 4 && j + 1 < std::tuple_size_v<Row>) continue; // symmetric: what the lower half says
       double* at = normal + 16 * i + 4 * j;
       Four sum;
       std::memcpy(&sum, at, sizeof sum);
-      sum += row[j] * xi;
+      for (std::size_t r = 0; r < kRows; ++r) sum += row[r][j] * x[r];
       std::memcpy(at, &sum, sizeof sum);
     }
+  }
+}
+SCANSION_INLINE void add_products_body(const std::int32_t* rows, std::size_t stride, const double* factors, std::size_t n,
+                                       double* normal, std::size_t count) noexcept {
+  constexpr std::size_t kTogether = 3; // as many as registers hold
+  std::size_t r = 0;
+  for (; r + kTogether <= n; r += kTogether) add_rows<kTogether>(rows + 16 * stride * r, stride, factors + r, normal, count);
+  for (; r < n; ++r) add_rows<1>(rows + 16 * stride * r, stride, factors + r, normal, count);
+}
+
+// Sums of whole numbers: exact in any order.
+SCANSION_INLINE void row_amounts_body(const std::int32_t* rows, double* amounts, std::size_t n) noexcept {
+  constexpr Four kNotMeans{1, 1, 0, 0};
+  for (std::size_t r = 0; r < n; ++r) {
+    Row x = row_of(rows + 16 * r);
+    for (Four& four : x) four = four < 0 ? -four : four;
+    const Four sums = (x[0] + x[1] * kNotMeans) + (x[2] + x[3]);
+    amounts[r] = (sums[0] + sums[1]) + (sums[2] + sums[3]);
   }
 }
 
@@ -278,9 +301,12 @@ __attribute__((target("avx2"))) void bounds_avx2(const std::int32_t* values, std
                                                  std::int32_t& high) noexcept {
   bounds_body(values, n, low, high);
 }
-__attribute__((target("avx2"))) void add_products_avx2(const std::int32_t* row, double factor, double* normal,
-                                                       std::size_t count) noexcept {
-  add_products_body(row, factor, normal, count);
+__attribute__((target("avx2"))) void add_products_avx2(const std::int32_t* rows, std::size_t stride, const double* factors,
+                                                       std::size_t n, double* normal, std::size_t count) noexcept {
+  add_products_body(rows, stride, factors, n, normal, count);
+}
+__attribute__((target("avx2"))) void row_amounts_avx2(const std::int32_t* rows, double* amounts, std::size_t n) noexcept {
+  row_amounts_body(rows, amounts, n);
 }
 __attribute__((target("avx2"))) void left_over_avx2(const std::int32_t* rows, const double* weights, std::int32_t* left,
                                                     std::size_t n) noexcept {
@@ -313,6 +339,7 @@ constexpr auto sizes_avx2 = sizes_body;
 constexpr auto tokens_avx2 = tokens_body;
 constexpr auto bounds_avx2 = bounds_body;
 constexpr auto add_products_avx2 = add_products_body;
+constexpr auto row_amounts_avx2 = row_amounts_body;
 constexpr auto left_over_avx2 = left_over_body;
 constexpr auto weigh_beside_avx2 = weigh_beside_body;
 constexpr auto weigh_chord_avx2 = weigh_chord_body;
@@ -340,11 +367,16 @@ void portable::contexts(const std::int32_t* size, const std::int32_t* above, std
   contexts_body(size, above, context, n);
 }
 
-void add_products(const std::int32_t* row, double factor, double* normal, std::size_t count) noexcept {
+void add_products(const std::int32_t* rows, std::size_t stride, const double* factors, std::size_t n, double* normal,
+                  std::size_t count) noexcept {
   if (has_avx2())
-    add_products_avx2(row, factor, normal, count);
+    add_products_avx2(rows, stride, factors, n, normal, count);
   else
-    add_products_body(row, factor, normal, count);
+    add_products_body(rows, stride, factors, n, normal, count);
+}
+
+void row_amounts(const std::int32_t* rows, double* amounts, std::size_t n) noexcept {
+  has_avx2() ? row_amounts_avx2(rows, amounts, n) : row_amounts_body(rows, amounts, n);
 }
 
 void left_over(const std::int32_t* rows, const double* weights, std::int32_t* left, std::size_t n) noexcept {
