@@ -22,9 +22,10 @@ enum Context : std::uint32_t { kFirst, kPitch, kFraction, kPhase, kSkips, kPlace
 
 // Fractions of few bits are small numbers when turned round.
 std::uint32_t turned(std::uint32_t fraction) noexcept {
-  std::uint32_t out = 0;
-  for (unsigned bit = 0; bit < 32; ++bit) out |= (fraction >> bit & 1U) << (31 - bit);
-  return out;
+  constexpr std::array<std::uint32_t, 5> kLower{0x5555'5555, 0x3333'3333, 0x0F0F'0F0F, 0x00FF'00FF, 0x0000'FFFF};
+  for (unsigned k = 0; k < kLower.size(); ++k)
+    fraction = (fraction >> (1U << k) & kLower[k]) | (fraction & kLower[k]) << (1U << k);
+  return fraction;
 }
 
 std::int32_t floor_part(std::int64_t pitch) noexcept {
@@ -64,36 +65,18 @@ double usual_step(std::span<const std::int32_t> u, std::vector<double>& steps) {
 } // namespace
 
 bool Ruling::measure(const Run& run, std::span<const std::int32_t> u, double pitch, Spread& spread) {
-  spread = {};
-  const double half = std::abs(pitch) / 2;
-  double sample = 0;
-  double before = u[run.first];
-  double off = 0;
+  spread = {static_cast<double>(u[run.first]), pitch};
   const std::size_t most_skips = skips_.size() + run.count / 4 + 1;
-  for (std::uint32_t i = run.first + 1; i < run.first + run.count; ++i) {
-    const double here = u[i];
-    const double step = here - before;
-    before = here;
-    sample += 1;
-    off += step - pitch;
-    if (std::abs(step - pitch) >= half) {
-      const double samples = std::floor(step / pitch + 0.5);
-      if (samples < 2 || samples > 0x1p30 || skips_.size() >= most_skips) return false;
-      skips_.push_back({i, static_cast<std::uint32_t>(samples) - 1});
-      sample += samples - 1;
-      off -= pitch * (samples - 1);
-    }
-    if (off < spread.low) {
-      spread.low = off;
-      spread.low_at = sample;
-    }
-    if (off > spread.high) {
-      spread.high = off;
-      spread.high_at = sample;
-    }
+  const std::uint32_t end = run.first + run.count;
+  for (std::uint32_t i = run.first + 1;; ++i) {
+    i += static_cast<std::uint32_t>(kernels::along_pitch(u.data() + i, end - i, spread));
+    if (i == end) return true;
+    const double samples = std::floor((static_cast<double>(u[i]) - u[i - 1]) / pitch + 0.5);
+    if (samples < 2 || samples > 0x1p30 || skips_.size() >= most_skips) return false;
+    skips_.push_back({i, static_cast<std::uint32_t>(samples) - 1});
+    spread.last += samples;
+    spread.take(u[i]);
   }
-  spread.last = sample;
-  return true;
 }
 
 // Takes a pitch that leaves room for a phase, if it is a number of the format.
@@ -164,10 +147,9 @@ void Ruling::lay_out(const Run& run, const Rule& rule, std::size_t skips_begin, 
   std::uint64_t at = rule.phase;
   std::uint32_t i = run.first + 1;
   const auto go_on = [&](std::uint32_t end) {
-    for (; i < end; ++i) {
-      at += pitch;
-      u[i] = static_cast<std::int32_t>(first + static_cast<std::uint32_t>(at >> kFractionBits));
-    }
+    kernels::ruled(first, at, pitch, u.data() + i, end - i);
+    at += pitch * (end - i);
+    i = end;
   };
   for (std::size_t s = skips_begin; s < rule.skips_end; ++s) {
     go_on(skips_[s].point);

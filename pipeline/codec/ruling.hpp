@@ -3,6 +3,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "pipeline/codec/ruling_kernels.hpp"
 #include "pipeline/codec/symbols.hpp"
 #include "pipeline/model/result.hpp"
 #include "pipeline/model/scan_line.hpp"
@@ -35,12 +36,7 @@ private:
     std::uint32_t point = 0;   ///< of the group
     std::uint32_t samples = 0; ///< missing before it
   };
-  /// How far points lie off multiples of a pitch, in steps.
-  struct Spread {
-    double low = 0, high = 0;       ///< of u less the multiple, the first point's 0 included
-    double low_at = 0, high_at = 0; ///< samples
-    double last = 0;                ///< sample of the last point
-  };
+  using Spread = kernels::Spread;
   [[nodiscard]] bool rule(const Run& run, std::span<const std::int32_t> u, const Rule& before);
   [[nodiscard]] bool narrow(const Run& run, std::span<const std::int32_t> u, std::size_t skips, Spread spread,
                             const Rule& before);
