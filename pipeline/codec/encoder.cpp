@@ -52,7 +52,7 @@ std::uint64_t log_time_ns(const ScanLine& line) noexcept {
 struct GroupEncoder::Impl {
   GroupState state;
   PlaneWriter planes;
-  SymbolWriter symbols;
+  SymbolWriter symbols, alone; ///< the latter: positions that follow nobody
   GroupFacts facts;
   AxisScales& scales = facts.scales;
   FanFinder fans;
@@ -63,8 +63,7 @@ struct GroupEncoder::Impl {
   std::vector<std::uint32_t> vertices;           ///< of one run, scratch
   std::array<double, kMaxLevels + 1> farthest{}; // per alpha-width: the largest finite D
   std::vector<std::int32_t> ends;
-  bool followed = true;                   ///< the level before follows the line before
-  std::array<bool, kMaxLevels> follows{}; ///< the level did so in the group before
+  bool followed = true; ///< the level before follows the line before
   struct Trial {
     std::array<std::int32_t, kLevelModes> residual;
     std::uint32_t context;
@@ -199,25 +198,17 @@ void GroupEncoder::Impl::write_even_ends(const LineGroup& group, Bytes& to) {
 
 // Following the line before pays where edges go on from line to line, and costs where vertices come and go with the noise.
 void GroupEncoder::Impl::write_level_positions(const LineGroup& group, std::uint8_t level, Bytes& to) {
-  const auto attempt = [&](bool follow) {
-    symbols.clear();
-    write_positions(group.runs, level_points[level], follow, state, symbols);
-    return symbols.estimate();
-  };
+  alone.clear();
+  write_alone(level_points[level], state, alone);
   // A level whose coarser one did not follow hardly ever does: its vertices are more like noise.
   if (followed) {
-    // What won in the group before is tried last: if it wins again, all is done.
-    bool& likely = follows[level];
-    const std::uint64_t unlikely_cost = attempt(!likely);
-    const std::uint64_t likely_cost = attempt(likely);
-    followed = likely ? likely_cost <= unlikely_cost : unlikely_cost <= likely_cost;
-    if (followed != likely) (void)attempt(followed);
-    likely = followed;
-  } else {
-    (void)attempt(false);
+    symbols.clear();
+    write_following(group.runs, level_points[level], state, symbols);
+    followed = symbols.estimate() <= alone.estimate();
   }
+  if (!followed) take_alone(group.runs, level_points[level], state);
   to.push_back(std::byte{followed});
-  symbols.write(to);
+  (followed ? symbols : alone).write(to);
 }
 
 void GroupEncoder::Impl::write_level(const LineGroup& group, std::uint8_t level, Bytes& to) {

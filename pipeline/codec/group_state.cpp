@@ -42,16 +42,31 @@ void GroupState::begin_level() {
 
 void GroupState::end_run(const Run& run, std::size_t& f, std::size_t& k) {
   const PointIndex end = run.first + run.count;
-  const auto take = [&](PointIndex i, bool is_fresh) {
-    vertices.push_back(i);
-    added.push_back(is_fresh ? 1 : 0);
-  };
-  for (; f < fresh.size() && fresh[f].point < end; ++f) {
-    while (k < known.size() && known[k] < fresh[f].point) take(known[k++], false);
-    take(fresh[f].point, true);
+  std::size_t fresh_end = f;
+  std::size_t known_end = k;
+  while (fresh_end < fresh.size() && fresh[fresh_end].point < end) ++fresh_end;
+  while (known_end < known.size() && known[known_end] < end) ++known_end;
+  std::size_t v = vertices.size();
+  vertices.resize(v + (fresh_end - f) + (known_end - k));
+  added.resize(vertices.size());
+  // Which of the two comes next nobody can tell, so there is no branch on it.
+  while (f < fresh_end && k < known_end) {
+    const PointIndex here = fresh[f].point;
+    const bool is_fresh = here < known[k];
+    vertices[v] = is_fresh ? here : known[k];
+    added[v++] = is_fresh ? 1 : 0;
+    f += is_fresh ? 1 : 0;
+    k += is_fresh ? 0 : 1;
   }
-  while (k < known.size() && known[k] < end) take(known[k++], false);
-  run_vertices.push_back(static_cast<std::uint32_t>(vertices.size()));
+  for (; f < fresh_end; ++v) {
+    vertices[v] = fresh[f++].point;
+    added[v] = 1;
+  }
+  for (; k < known_end; ++v) {
+    vertices[v] = known[k++];
+    added[v] = 0;
+  }
+  run_vertices.push_back(static_cast<std::uint32_t>(v));
 }
 
 void GroupState::pass_level(std::span<const Run> runs) {

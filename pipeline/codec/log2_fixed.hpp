@@ -37,7 +37,7 @@ inline constexpr auto kLogTable = [] {
 [[nodiscard]] constexpr std::uint32_t log2_fixed(std::uint32_t x) noexcept {
   const auto octave = static_cast<unsigned>(std::bit_width(x)) - 1;
   // NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult): x > 0
-  const std::uint32_t mantissa = octave >= 8 ? x >> (octave - 8) : x << (8 - octave);
+  const std::uint32_t mantissa = x << (31U - octave) >> 23U; // its nine leading bits
   return (octave << kLogBits) + kLogTable[mantissa - 256];
 }
 

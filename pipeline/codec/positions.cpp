@@ -25,18 +25,46 @@ static_assert(kPlaces + kPlaceContexts <= kMaxContexts);
 std::uint32_t log_length(std::int64_t length) noexcept {
   return static_cast<std::uint32_t>(std::bit_width(static_cast<std::uint64_t>(length)));
 }
+// Of an event without a candidate, with so many points ahead, and of a place among so many.
+std::uint32_t free_event_context(std::uint32_t last_event, std::int64_t ahead) noexcept {
+  return (last_event == kEnd ? 0 : kLengths) + std::min(kLengths, log_length(ahead)) - 1;
+}
+std::uint32_t place_context(std::int64_t places) noexcept {
+  return kPlaces + std::min(kPlaceContexts, log_length(places)) - 1;
+}
+// Places are counted from the nearer end of where they may be.
+std::int32_t place_of(std::int64_t from_left, std::int64_t places) noexcept {
+  const std::int64_t from_right = places - 1 - from_left;
+  return static_cast<std::int32_t>(from_left <= from_right ? from_left : -1 - from_right);
+}
+std::int64_t from_left_of(std::int64_t place, std::int64_t places) noexcept {
+  return place >= 0 ? place : places + place;
+}
+
+// Vertices that follow nobody.
+void take_alone(std::span<const Run> runs, GroupState& state) {
+  state.begin_level();
+  std::size_t f = 0;
+  std::size_t k = 0;
+  for (std::size_t r = 0; r < runs.size(); ++r) {
+    const std::size_t begin = f;
+    state.end_run(runs[r], f, k);
+    if (!state.above[r].exists) continue;
+    for (std::size_t i = begin; i < f; ++i) state.beside[state.fresh[i].point] = state.above[r].beside(state.fresh[i].point);
+  }
+}
 
 // The way along the segments between coarser vertices. Both sides see the same candidates: vertices of the line before.
 class Walk {
 public:
-  Walk(std::span<const Run> runs, GroupState& state, bool follow) noexcept : runs_(runs), s_(state), follow_(follow) {}
+  Walk(std::span<const Run> runs, GroupState& state) noexcept : runs_(runs), s_(state) {}
 
   void enter_run(std::size_t r) noexcept {
     run_ = &runs_[r];
     above_ = s_.above[r];
     next_ = end_ = 0;
     segment_ = known_;
-    if (!follow_ || !above_.exists || run_->count < 3) return;
+    if (!above_.exists || run_->count < 3) return;
     const std::size_t begin = s_.run_vertices[above_.run];
     end_ = s_.run_vertices[above_.run + 1] - 1;
     const std::int64_t behind = std::clamp<std::int64_t>(run_->first + above_.shift, above_.first, above_.last);
@@ -69,10 +97,7 @@ public:
   }
   [[nodiscard]] std::uint32_t event_context() const noexcept {
     if (has_candidate()) return kWithCandidate + s_.added[next_] * kEvents + event_;
-    return (event_ == kEnd ? 0 : kLengths) + std::min(kLengths, log_length(limit_ - at_ - 1)) - 1;
-  }
-  [[nodiscard]] std::uint32_t place_context() const noexcept {
-    return kPlaces + std::min(kPlaceContexts, log_length(length())) - 1;
+    return free_event_context(event_, limit_ - at_ - 1);
   }
   /// Goes on behind an event; a new or matched vertex lies at `i`.
   void go(std::uint32_t event, std::int64_t i) {
@@ -107,7 +132,6 @@ private:
 
   std::span<const Run> runs_;
   GroupState& s_;
-  bool follow_;
   const Run* run_ = nullptr;
   RunAbove above_;
   std::int64_t at_ = 0;    // the last point dealt with
@@ -121,20 +145,40 @@ private:
 
 } // namespace
 
-void write_positions(std::span<const Run> runs, std::span<const PointIndex> wanted, bool follow, GroupState& state,
-                     SymbolWriter& to) {
+void write_alone(std::span<const PointIndex> wanted, const GroupState& state, SymbolWriter& to) {
+  // Between the last point of a run and the first of the next lies nothing.
+  std::size_t f = 0;
+  for (std::size_t k = 1; k < state.known.size(); ++k) {
+    const std::int64_t limit = state.known[k];
+    std::int64_t at = state.known[k - 1];
+    std::uint32_t event = kEnd;
+    for (; limit - at >= 2; ++f) {
+      const std::int64_t places = limit - at - 1;
+      const std::uint32_t context = free_event_context(event, places);
+      event = f < wanted.size() && wanted[f] < limit ? kNew : kEnd;
+      to.put(unfold(event), context);
+      if (event == kEnd) break;
+      if (places > 1) to.put(place_of(wanted[f] - at - 1, places), place_context(places));
+      at = wanted[f];
+    }
+  }
+}
+
+void take_alone(std::span<const Run> runs, std::span<const PointIndex> wanted, GroupState& state) {
+  state.fresh.clear();
+  for (const PointIndex i : wanted) state.fresh.push_back({i, false});
+  take_alone(runs, state);
+}
+
+void write_following(std::span<const Run> runs, std::span<const PointIndex> wanted, GroupState& state, SymbolWriter& to) {
   state.fresh.clear();
   state.begin_level();
-  Walk walk(runs, state, follow);
+  Walk walk(runs, state);
   std::size_t f = 0;
   const auto put = [&](std::uint32_t event, std::int64_t i) {
     to.put(unfold(event), walk.event_context());
-    if (event == kNew && walk.length() > 1) {
-      // Counted from the nearer end of where it may be.
-      const std::int64_t from_left = i - walk.at() - 1;
-      const std::int64_t from_right = walk.length() - 1 - from_left;
-      to.put(static_cast<std::int32_t>(from_left <= from_right ? from_left : -1 - from_right), walk.place_context());
-    }
+    const std::int64_t places = walk.length();
+    if (event == kNew && places > 1) to.put(place_of(i - walk.at() - 1, places), place_context(places));
     walk.go(event, i);
   };
   for (std::size_t r = 0; r < runs.size(); ++r) {
@@ -156,10 +200,32 @@ void write_positions(std::span<const Run> runs, std::span<const PointIndex> want
   }
 }
 
-Result<void> read_positions(std::span<const Run> runs, bool follow, GroupState& state, std::size_t limit, SymbolReader& from) {
-  state.fresh.clear();
+namespace {
+
+Result<void> read_alone(std::span<const Run> runs, GroupState& state, std::size_t limit, SymbolReader& from) {
+  for (std::size_t k = 1; k < state.known.size(); ++k) {
+    const std::int64_t end = state.known[k];
+    std::int64_t at = state.known[k - 1];
+    std::uint32_t event = kEnd;
+    while (end - at >= 2) {
+      const std::int64_t places = end - at - 1;
+      event = fold(from.next(free_event_context(event, places)));
+      if (event == kEnd) break;
+      if (event != kNew) return fail(Errc::damaged, "a level tells its points in an impossible way");
+      const std::int64_t from_left = places > 1 ? from_left_of(from.next(place_context(places)), places) : 0;
+      if (from_left < 0 || from_left >= places || state.fresh.size() == limit)
+        return fail(Errc::damaged, "a level names points that its runs do not have");
+      at += 1 + from_left;
+      state.fresh.push_back({static_cast<PointIndex>(at), false});
+    }
+  }
+  take_alone(runs, state);
+  return success();
+}
+
+Result<void> read_following(std::span<const Run> runs, GroupState& state, std::size_t limit, SymbolReader& from) {
   state.begin_level();
-  Walk walk(runs, state, follow);
+  Walk walk(runs, state);
   for (std::size_t r = 0; r < runs.size(); ++r) {
     walk.enter_run(r);
     while (walk.enter_segment()) {
@@ -170,8 +236,8 @@ Result<void> read_positions(std::span<const Run> runs, bool follow, GroupState& 
           return fail(Errc::damaged, "a level tells its points in an impossible way");
         std::int64_t i = 0;
         if (event == kNew) {
-          const std::int64_t place = walk.length() > 1 ? from.next(walk.place_context()) : 0;
-          i = place >= 0 ? walk.at() + 1 + place : walk.at() + 1 + walk.length() + place;
+          const std::int64_t places = walk.length();
+          i = walk.at() + 1 + (places > 1 ? from_left_of(from.next(place_context(places)), places) : 0);
         } else if (event >= kMatched) {
           i = walk.place() + event - kMatched - kDrift;
         }
@@ -183,6 +249,13 @@ Result<void> read_positions(std::span<const Run> runs, bool follow, GroupState& 
     walk.leave_run();
   }
   return success();
+}
+
+} // namespace
+
+Result<void> read_positions(std::span<const Run> runs, bool follow, GroupState& state, std::size_t limit, SymbolReader& from) {
+  state.fresh.clear();
+  return follow ? read_following(runs, state, limit, from) : read_alone(runs, state, limit, from);
 }
 
 } // namespace scansion

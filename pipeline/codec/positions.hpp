@@ -10,12 +10,17 @@ namespace scansion {
 /// A vertex may have moved this many samples from the line before and still be called the same.
 inline constexpr int kDrift = 2;
 
-/// Writes which inner points of the runs the level adds: `points`, ascending. Fills `state.fresh` and `state.vertices`;
-/// `state.known` holds the coarser vertices. `follow`: the vertices of the line before are candidates.
-void write_positions(std::span<const Run> runs, std::span<const PointIndex> points, bool follow, GroupState& state,
-                     SymbolWriter& to);
+// Which inner points of the runs a level adds is told in one of two ways; `points` are they, ascending, and `state.known` holds
+// the coarser vertices.
 
-/// Reads them back. `limit` is how many the level may have.
+/// The vertices of the line before are candidates. Fills `state.fresh` and `state.vertices`.
+void write_following(std::span<const Run> runs, std::span<const PointIndex> points, GroupState& state, SymbolWriter& to);
+
+/// Each line by itself. Leaves the state to take_alone().
+void write_alone(std::span<const PointIndex> points, const GroupState& state, SymbolWriter& to);
+void take_alone(std::span<const Run> runs, std::span<const PointIndex> points, GroupState& state);
+
+/// Reads them back, and fills the state. `limit` is how many the level may have.
 [[nodiscard]] Result<void> read_positions(std::span<const Run> runs, bool follow, GroupState& state, std::size_t limit,
                                           SymbolReader& from);
 
