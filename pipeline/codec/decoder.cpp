@@ -148,7 +148,7 @@ Result<void> GroupDecoder::Impl::read_rest(ByteReader& from, const PayloadHeader
   along = from.byte();
   if (!from.ok() || along > 2) return fail(Errc::damaged, "the rest names an axis that does not exist");
   has_neighbours = false;
-  for (RestAxis& axis : rest_axes) axis.resize(out.width.size());
+  for (RestAxis& axis : rest_axes) axis.make_room(out.width.size());
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (scales[axis].even) continue;
     SCANSION_TRY(read_rest_axis(from, out.group, axis));
@@ -188,7 +188,7 @@ Result<void> GroupDecoder::Impl::publish(ByteReader& from, const PayloadHeader& 
     const auto& u = state.u[axis];
     const auto base = static_cast<std::uint32_t>(scale.base);
     if (rest && plain)
-      kernels::from_steps(u.data(), base, scale.step, to.data(), u.size());
+      kernels::from_steps(u.data(), base, scale.step, to.data(), to.size());
     else
       for (const PointIndex i : points) to[i] = static_cast<std::int32_t>(base + scale.step * static_cast<std::uint32_t>(u[i]));
   }

@@ -4,9 +4,8 @@
 #include "pipeline/codec/fit.hpp"
 #include "pipeline/codec/kernels.hpp"
 #include "pipeline/codec/level_values.hpp"
-#include "pipeline/codec/planes.hpp"
+#include "pipeline/codec/plain_axis.hpp"
 #include "pipeline/codec/positions.hpp"
-#include "pipeline/codec/rest_coder.hpp"
 #include "pipeline/codec/ruling.hpp"
 
 #include <algorithm>
@@ -74,7 +73,7 @@ struct GroupEncoder::Impl {
   WeightFit fit;
   RunResiduals run_residuals;
   std::vector<std::int64_t> leftovers;
-  Bytes plain; ///< an axis of the rest as planes
+  PlainAxis plain;
 
   void sort_levels(const LineGroup& group, const GroupRanks& ranks, const AlphaSet& alpha);
   void load(const LineGroup& group);
@@ -86,7 +85,6 @@ struct GroupEncoder::Impl {
   void write_level(const LineGroup& group, std::uint8_t level, Bytes& to);
   void write_rest(const LineGroup& group, Bytes& to);
   void write_rest_axis(const LineGroup& group, std::size_t axis, Bytes& to);
-  [[nodiscard]] bool write_plain_axis(const LineGroup& group, std::size_t axis, std::size_t fitted_size);
   void write_leftovers(const LineGroup& group, bool rest, bool coarsest, Bytes& to);
   template <class Visit>
   void visit_new(const LineGroup& group, bool rest, bool coarsest, Visit&& visit);
@@ -99,7 +97,7 @@ void GroupEncoder::Impl::sort_levels(const LineGroup& group, const GroupRanks& r
   farthest.fill(0.0);
   const double finest = alpha.tolerances.back();
   double rest = 0.0;
-  vertices.resize(group.points());
+  grow(vertices, group.points());
   for (const Run& run : group.runs) {
     if (run.count < 3) continue;
     const double* const d = ranks.distance.data() + run.first + 1;
@@ -118,10 +116,10 @@ void GroupEncoder::Impl::load(const LineGroup& group) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     scales[axis] = find_scale(group.xyz[axis], group.runs, ends);
     if (scales[axis].even) {
-      ends_to_steps(group.xyz[axis], scales[axis], group.runs, state.u[axis]);
+      ends_to_steps(group.xyz[axis], scales[axis], group.runs, state.axis(axis));
       continue;
     }
-    to_steps(group.xyz[axis], scales[axis], state.u[axis]);
+    to_steps(group.xyz[axis], scales[axis], state.axis(axis));
     if (!scales[axis].split) find_ruling(group, axis);
   }
   facts.exact = !group.ulp[0].empty();
@@ -129,7 +127,7 @@ void GroupEncoder::Impl::load(const LineGroup& group) {
 }
 
 void GroupEncoder::Impl::find_ruling(const LineGroup& group, std::size_t axis) {
-  scales[axis].ruled = scales[axis].even = rulings[axis].find(group.runs, state.u[axis]);
+  scales[axis].ruled = scales[axis].even = rulings[axis].find(group.runs, state.axis(axis));
 }
 
 // A fan lies in a plane: two axes turn, the third is even and goes on slowly.
@@ -162,7 +160,7 @@ void GroupEncoder::Impl::find_fan(const LineGroup& group) {
     const auto& values = part == 0 ? fans.ranges : fans.directions;
     scales[axis] = find_scale(values, group.runs, ends);
     if (scales[axis].split) scales[axis] = {scales[axis].base, 1, false, false, false};
-    to_steps(values, scales[axis], state.u[axis]);
+    to_steps(values, scales[axis], state.axis(axis));
     if (!scales[axis].even) find_ruling(group, axis);
     for (std::size_t i = 0; i < values.size() && !scales[axis].split; ++i)
       scales[axis].split = fan.coordinate(part, fans.directions[i], fans.ranges[i]) != group.xyz[axis][i];
@@ -249,20 +247,20 @@ void GroupEncoder::Impl::write_rest(const LineGroup& group, Bytes& to) {
   const std::size_t points = group.points();
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (scales[axis].even) continue;
-    rest_axes[axis].resize(points);
+    rest_axes[axis].make_room(points);
   }
   if (scales[along].even && !scales[along].ruled)
     fill_even(group.runs, state.u[along]);
   else if (!scales[along].even)
     fill_chord(state.known, state.u[along], rest_axes[along].chord);
-  neighbours.find(group, state, scales[along], scales[along].even ? state.u[along] : rest_axes[along].chord);
+  neighbours.find(group, state, scales[along], scales[along].even ? state.axis(along) : std::span(rest_axes[along].chord));
   for (std::size_t axis = 0; axis < 3; ++axis)
     if (!scales[axis].even) write_rest_axis(group, axis, to);
 }
 
 void GroupEncoder::Impl::write_rest_axis(const LineGroup& group, std::size_t axis, Bytes& to) {
   constexpr std::size_t kSample = 2048;
-  const auto& u = state.u[axis];
+  const std::span<const std::int32_t> u = state.axis(axis);
   RestAxis& at = rest_axes[axis];
   // Of a small group fewer are enough: there the fit is a large part of all work.
   constexpr std::size_t kSmallGroup = 12'288;
@@ -281,44 +279,9 @@ void GroupEncoder::Impl::write_rest_axis(const LineGroup& group, std::size_t axi
   to.push_back(static_cast<std::byte>(with_above ? RestMode::fitted : RestMode::line));
   for (const std::int16_t w : std::span(weights).first(with_above ? kWeights : kLineWeights)) put_signed(to, w);
   symbols.write_long(to);
-  if (!write_plain_axis(group, axis, to.size() - start)) return;
+  if (!plain.find(group.runs, state.known, u, to.size() - start, planes)) return;
   to.resize(start);
-  to.insert(to.end(), plain.begin(), plain.end());
-}
-
-// What repeats itself in a way that no prediction sees is better left to zstd. A small part says whether to try all.
-bool GroupEncoder::Impl::write_plain_axis(const LineGroup& group, std::size_t axis, std::size_t fitted_size) {
-  constexpr std::size_t kPart = 1024;
-  const auto& u = state.u[axis];
-  const std::size_t all = u.size() - state.known.size();
-  // The first residuals of a mode, and about how many bits they are of.
-  const auto take = [&](RestMode mode, std::size_t most) {
-    leftovers.clear();
-    visit_rest(group, state.known, neighbours,
-               [&](const RestLine& line, PointIndex run_first, PointIndex from, PointIndex end) {
-                 for (PointIndex i = from; i < end && leftovers.size() < most; ++i)
-                   leftovers.push_back(wrap(std::int64_t{u[i]} -
-                                            predict_plain(mode, neighbours, line, u, rest_axes[axis].chord, run_first, i)));
-                 return leftovers.size() < most;
-               });
-    std::uint64_t bits = 0;
-    for (const std::int64_t residual : leftovers) bits += log2_fixed(fold(static_cast<std::int32_t>(residual)) / 2 + 1);
-    return bits;
-  };
-  const auto put = [&](RestMode mode) {
-    plain.assign(1, static_cast<std::byte>(mode));
-    planes.put_planes(plain, leftovers);
-  };
-  if (fitted_size < all / 16) return false; // next to nothing
-  const std::size_t part = std::min(all, std::max<std::size_t>(256, std::min(kPart, all / 16)));
-  const std::uint64_t left_bits = take(RestMode::left, part);
-  const RestMode best = take(RestMode::slope, part) < left_bits ? RestMode::slope : RestMode::left;
-  if (best == RestMode::left) (void)take(best, part);
-  put(best);
-  if (plain.size() * all > fitted_size * part + fitted_size * part / 8) return false;
-  (void)take(best, all);
-  put(best);
-  return plain.size() < fitted_size;
+  to.insert(to.end(), plain.bytes().begin(), plain.bytes().end());
 }
 
 // The points that a level adds, ascending.

@@ -13,6 +13,13 @@ namespace scansion {
 /// Index of a point in its group.
 using PointIndex = std::uint32_t;
 
+/// Makes room for at least so many values; what is behind those asked for is memory. Groups are of different sizes, and what
+/// resize() takes away it has to clear when it gives it back.
+template <class T>
+void grow(std::vector<T>& values, std::size_t count) {
+  if (values.size() < count) values.resize(count);
+}
+
 /// Where a run looks for points like its own: a run of the line before, and by how much indexes differ there.
 struct RunAbove {
   std::uint32_t run = 0; ///< its index in the group
@@ -40,7 +47,8 @@ struct Fresh {
 
 /// Coordinates of a group in steps of its axis scales, and the vertices of the levels coded so far.
 struct GroupState {
-  std::array<std::vector<std::int32_t>, 3> u; ///< steps; meaningful where the alpha-width is not above the level being coded
+  std::array<std::vector<std::int32_t>, 3> u; ///< steps, see axis(); meaningful where the alpha-width is not above the level
+  std::size_t points = 0;                     ///< of the group
   std::vector<RunAbove> above;                ///< per run
   std::vector<PointIndex> beside;             ///< of vertices of runs with one above: the point there that is compared with it
   std::vector<PointIndex> known;              ///< vertices of all coarser levels, ascending
@@ -51,12 +59,14 @@ struct GroupState {
   std::vector<std::uint8_t> added;         ///< beside each: 1 when this level adds it
   std::vector<std::uint32_t> run_vertices; ///< where each run's vertices begin, and the end of the last
 
-  void reset(std::size_t points) {
-    for (auto& axis : u) axis.resize(points);
-    beside.resize(points);
+  void reset(std::size_t count) {
+    points = count;
+    for (auto& axis : u) grow(axis, count);
+    grow(beside, count);
     known.clear();
     fresh.clear();
   }
+  [[nodiscard]] std::span<std::int32_t> axis(std::size_t a) noexcept { return std::span(u[a]).first(points); }
   /// Before the positions of a level are coded.
   void begin_level();
   /// When those of a run are: `fresh` and `known` reach beyond it from these indexes on.

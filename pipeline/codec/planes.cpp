@@ -47,7 +47,7 @@ void PlaneWriter::put_packed(Bytes& to, ByteView raw) {
     return;
   }
   Bytes& packed = context_->packed;
-  packed.resize(ZSTD_compressBound(raw.size()));
+  packed.resize(std::max(packed.size(), ZSTD_compressBound(raw.size())));
   const std::size_t size = ZSTD_compress2(context_->zstd, packed.data(), packed.size(), raw.data(), raw.size());
   const bool smaller = ZSTD_isError(size) == 0 && size < raw.size();
   const ByteView stored = smaller ? ByteView(packed).first(size) : raw;
@@ -65,10 +65,11 @@ void PlaneWriter::put_planes(Bytes& to, std::span<const std::int64_t> values) {
   for (const std::int64_t v : values) all |= zigzag(v);
   const auto width = static_cast<std::size_t>(std::bit_width(all) + 7) / 8;
   to.push_back(static_cast<std::byte>(width));
-  plane_.resize(values.size());
+  plane_.resize(std::max(plane_.size(), values.size()));
+  std::byte* const plane = plane_.data();
   for (std::size_t p = 0; p < width; ++p) {
-    for (std::size_t i = 0; i < values.size(); ++i) plane_[i] = static_cast<std::byte>(zigzag(values[i]) >> (8 * p));
-    put_packed(to, plane_);
+    for (std::size_t i = 0; i < values.size(); ++i) plane[i] = static_cast<std::byte>(zigzag(values[i]) >> (8 * p));
+    put_packed(to, ByteView(plane_).first(values.size()));
   }
 }
 

@@ -59,7 +59,7 @@ bool is_straight(const LineGroup& group, const ScanLine& line, const GroupState&
 } // namespace
 
 void RestAxis::fill(std::span<const Run> runs, std::span<const PointIndex> vertices, std::span<const std::int32_t> u) {
-  for (auto& mean : means) mean.resize(u.size());
+  for (auto& mean : means) grow(mean, u.size());
   const auto at_vertex = [&](PointIndex v) {
     chord[v] = u[v];
     deviation[v] = 0;
@@ -84,7 +84,7 @@ void RestAxis::fill(std::span<const Run> runs, std::span<const PointIndex> verti
 void Neighbours::find(const LineGroup& group, const GroupState& state, const AxisScale& scale,
                       std::span<const std::int32_t> main) {
   lines.clear();
-  beside.resize(main.size());
+  grow(beside, main.size());
   for (const ScanLine& line : group.lines) {
     if (line.run_count == 0) continue;
     const auto runs = group.runs_of(line);

@@ -144,10 +144,10 @@ struct RestAxis {
   std::vector<std::int32_t> beside_size;
   std::vector<Chord> run_chords; ///< of the run at hand; the decoder's
 
-  void resize(std::size_t points) {
-    chord.resize(points);
-    deviation.resize(points);
-    size.resize(points);
+  void make_room(std::size_t points) {
+    grow(chord, points);
+    grow(deviation, points);
+    grow(size, points);
   }
   /// Fills chord, deviations and means, for the encoder, which has `u`.
   void fill(std::span<const Run> runs, std::span<const PointIndex> vertices, std::span<const std::int32_t> u);

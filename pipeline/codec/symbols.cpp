@@ -96,24 +96,30 @@ void SymbolWriter::write_symbols(Bytes& to) {
 void SymbolWriter::write_plain(Bytes& to) {
   constexpr std::uint64_t kOverDirect = ~std::uint64_t{kDirectTokens - 1} & 0xFFU;
   constexpr std::uint64_t kAnyOver = kOverDirect * 0x0101'0101'0101'0101U;
-  bits_.clear();
-  BitWriter bits(bits_);
+  bits_.resize(std::max(bits_.size(), 4 * size_ + 8));
+  std::byte* at = bits_.data();
+  std::uint64_t waiting = 0;
+  unsigned filled = 0; // less than a byte
   for (std::size_t from = 0; last_token_ >= kDirectTokens && from < size_; from += kStride) {
     std::uint64_t over;
     std::memcpy(&over, tokens_.data() + from, sizeof over);
     over &= kAnyOver;
+    if (const std::size_t left = size_ - from; left < kStride) over &= (std::uint64_t{1} << 8 * left) - 1;
     while (over != 0) {
       const auto place = static_cast<unsigned>(std::countr_zero(over)) / 8;
-      const std::size_t i = from + place;
-      if (i >= size_) break;
       over &= ~(std::uint64_t{0xFF} << 8 * place);
-      const TokenRange& range = kTokenRanges[tokens_[i]];
-      bits.put(fold(values_[i]) - range.first, range.bits);
+      const TokenRange& range = kTokenRanges[tokens_[from + place]];
+      waiting |= std::uint64_t{fold(values_[from + place]) - range.first} << filled;
+      store_le(at, waiting);
+      filled += range.bits;
+      at += filled / 8;
+      waiting >>= filled & ~7U;
+      filled &= 7U;
     }
   }
-  bits.flush();
-  put_varint(to, bits_.size());
-  to.insert(to.end(), bits_.begin(), bits_.end());
+  const std::size_t bytes = static_cast<std::size_t>(at - bits_.data()) + (filled != 0 ? 1 : 0);
+  put_varint(to, bytes);
+  to.insert(to.end(), bits_.begin(), bits_.begin() + static_cast<std::ptrdiff_t>(bytes));
 }
 
 SymbolReader::SymbolReader() {
