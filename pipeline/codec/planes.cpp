@@ -62,13 +62,15 @@ void PlaneWriter::put_blob(Bytes& to, ByteView raw) {
 
 void PlaneWriter::put_planes(Bytes& to, std::span<const std::int64_t> values) {
   std::uint64_t all = 0;
-  for (const std::int64_t v : values) all |= zigzag(v);
+  zigzags_.resize(std::max(zigzags_.size(), values.size()));
+  std::uint64_t* const folded = zigzags_.data();
+  for (std::size_t i = 0; i < values.size(); ++i) all |= folded[i] = zigzag(values[i]);
   const auto width = static_cast<std::size_t>(std::bit_width(all) + 7) / 8;
   to.push_back(static_cast<std::byte>(width));
   plane_.resize(std::max(plane_.size(), values.size()));
   std::byte* const plane = plane_.data();
   for (std::size_t p = 0; p < width; ++p) {
-    for (std::size_t i = 0; i < values.size(); ++i) plane[i] = static_cast<std::byte>(zigzag(values[i]) >> (8 * p));
+    for (std::size_t i = 0; i < values.size(); ++i) plane[i] = static_cast<std::byte>(folded[i] >> (8 * p));
     put_packed(to, ByteView(plane_).first(values.size()));
   }
 }

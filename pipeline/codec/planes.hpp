@@ -26,6 +26,7 @@ private:
   void put_packed(Bytes& to, ByteView raw);
   struct Context;
   std::unique_ptr<Context> context_;
+  std::vector<std::uint64_t> zigzags_; ///< memory
   Bytes plane_;
 };
 
