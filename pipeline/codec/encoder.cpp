@@ -162,8 +162,7 @@ void GroupEncoder::Impl::find_fan(const LineGroup& group) {
     if (scales[axis].split) scales[axis] = {scales[axis].base, 1, false, false, false};
     to_steps(values, scales[axis], state.axis(axis));
     if (!scales[axis].even) find_ruling(group, axis);
-    for (std::size_t i = 0; i < values.size() && !scales[axis].split; ++i)
-      scales[axis].split = fan.coordinate(part, fans.directions[i], fans.ranges[i]) != group.xyz[axis][i];
+    scales[axis].split = !fans.exact[part];
   }
 }
 

@@ -14,6 +14,7 @@ constexpr std::size_t kLeastPoints = 512;
 constexpr std::size_t kLeastDirections = 8;
 constexpr unsigned kMaxShift = 30;
 constexpr unsigned kTurnBits = 30;
+constexpr double kCounts = 4; // two points of one direction are never farther apart
 
 double length(std::int32_t x, std::int32_t y) noexcept {
   return std::sqrt(static_cast<double>(x) * x + static_cast<double>(y) * y);
@@ -73,7 +74,56 @@ void FanFinder::sort_by_angle() {
   for (const std::uint64_t key : keys_) points_.push_back(by_index_[static_cast<std::uint32_t>(key)]);
 }
 
-// Points by angle, cut into directions.
+bool FanFinder::are_apart(const End& a, const End& b) noexcept {
+  return b.turn - a.turn > kCounts / std::min(a.size, b.size);
+}
+
+// Directions are narrow and lie far apart: then each has a bucket of angles to itself, or two next to each other, and nothing
+// need be sorted. False when one bucket may hold two.
+bool FanFinder::cut_by_buckets() {
+  constexpr std::size_t kBuckets = 8192;
+  bucket_at_.assign(kBuckets + 1, 0); // the angle goes from -2 to 2, both included
+  buckets_.assign(1, {});             // of angles that no point has
+  for (const Point& p : points_) {
+    std::uint32_t& b = bucket_at_[static_cast<std::size_t>((p.turn + 2) * (kBuckets / 4))];
+    if (b == 0) {
+      b = static_cast<std::uint32_t>(buckets_.size());
+      buckets_.emplace_back();
+    }
+    directions[p.index] = static_cast<std::int32_t>(b);
+    Bucket& bucket = buckets_[b];
+    if (p.turn < bucket.low.turn) bucket.low = {p.turn, p.size};
+    if (p.turn > bucket.high.turn) bucket.high = {p.turn, p.size};
+    if (p.size > bucket.longest.size) bucket.longest = {p.turn, p.size};
+  }
+  // No point is farther from the longest one's direction than half of what would part them.
+  for (const Point& p : points_) {
+    const Bucket& bucket = buckets_[static_cast<std::size_t>(directions[p.index])];
+    if (2 * std::abs(p.turn - bucket.longest.turn) * p.size > kCounts) return false;
+  }
+  count_ = 0;
+  const Bucket* before = nullptr;
+  for (const std::uint32_t b : bucket_at_) {
+    if (b == 0) continue;
+    Bucket& here = buckets_[b];
+    if (before == nullptr || are_apart(before->high, here.low)) ++count_;
+    here.direction = static_cast<std::int32_t>(count_) - 1;
+    before = &here;
+  }
+  for (std::int32_t& direction : directions) direction = buckets_[static_cast<std::size_t>(direction)].direction;
+  return true;
+}
+
+void FanFinder::cut_sorted() {
+  sort_by_angle();
+  count_ = 1;
+  for (std::size_t p = 0; p < points_.size(); ++p) {
+    if (p > 0 && are_apart({points_[p - 1].turn, points_[p - 1].size}, {points_[p].turn, points_[p].size})) ++count_;
+    directions[points_[p].index] = static_cast<std::int32_t>(count_) - 1;
+  }
+}
+
+// The direction of each point.
 bool FanFinder::sort_out(std::span<const std::int32_t> x, std::span<const std::int32_t> y) {
   points_.clear();
   for (std::uint32_t i = 0; i < x.size(); ++i) {
@@ -82,56 +132,52 @@ bool FanFinder::sort_out(std::span<const std::int32_t> x, std::span<const std::i
     const double part = y[i] / size;
     points_.push_back({x[i] >= 0 ? part : (y[i] >= 0 ? 2 - part : -2 - part), size, i});
   }
-  sort_by_angle();
-  starts_.assign(1, 0);
-  constexpr double kCounts = 4; // two points of one direction are never farther apart
-  for (std::uint32_t p = 1; p < points_.size(); ++p)
-    if (points_[p].turn - points_[p - 1].turn > kCounts / std::min(points_[p].size, points_[p - 1].size)) starts_.push_back(p);
-  const std::size_t count = starts_.size();
-  starts_.push_back(static_cast<std::uint32_t>(points_.size()));
-  return count >= kLeastDirections && count <= kMaxDirections && count * 8 <= points_.size();
+  directions.resize(x.size());
+  if (!cut_by_buckets()) cut_sorted();
+  return count_ >= kLeastDirections && count_ <= kMaxDirections && count_ * 8 <= points_.size();
 }
 
 // For each direction the vector of one range step that makes all its points come out right, if there is one.
 bool FanFinder::fit(std::span<const std::int32_t> x, std::span<const std::int32_t> y, Fan& fan) {
   std::int32_t longest = 0;
   ranges.resize(x.size());
-  directions.resize(x.size());
+  vectors_.assign(count_, {});
   for (std::size_t i = 0; i < x.size(); ++i) {
-    ranges[i] = static_cast<std::int32_t>(std::lround(length(x[i], y[i]) / step_));
-    longest = std::max(longest, ranges[i]);
+    const auto n = static_cast<std::int32_t>(length(x[i], y[i]) / step_ + 0.5);
+    ranges[i] = n;
+    longest = std::max(longest, n);
+    if (n <= 0) continue;
+    Vector& vector = vectors_[static_cast<std::size_t>(directions[i])];
+    const double a_step = 1.0 / n;
+    const bool best = n > vector.best_range;
+    if (best) vector.best_range = n;
+    for (const std::size_t part : {0U, 1U}) {
+      const double v = part == 0 ? x[i] : y[i];
+      Between& range = vector.parts[part];
+      range.low = std::max(range.low, (v - 0.5) * a_step);
+      range.high = std::min(range.high, (v + 0.5) * a_step);
+      if (best) range.best = v * a_step;
+    }
   }
   constexpr unsigned kSpareBits = 6;
   fan.shift =
       std::min<unsigned>(kMaxShift, static_cast<unsigned>(std::bit_width(static_cast<std::uint32_t>(longest))) + kSpareBits);
-  fan.directions.resize(starts_.size() - 1);
+  fan.directions.resize(count_);
   const double unit = static_cast<double>(std::int64_t{1} << fan.shift);
-  for (std::size_t d = 0; d + 1 < starts_.size(); ++d) {
+  for (std::size_t d = 0; d < count_; ++d)
     for (const std::size_t part : {0U, 1U}) {
-      const auto v = part == 0 ? x : y;
-      double low = -1e300;
-      double high = 1e300;
-      double best = 0;
-      std::int32_t best_range = 0;
-      for (std::uint32_t p = starts_[d]; p < starts_[d + 1]; ++p) {
-        const std::uint32_t i = points_[p].index;
-        const std::int32_t n = ranges[i];
-        directions[i] = static_cast<std::int32_t>(d);
-        if (n <= 0) continue;
-        low = std::max(low, (v[i] - 0.5) / n);
-        high = std::min(high, (v[i] + 0.5) / n);
-        if (n > best_range) {
-          best_range = n;
-          best = static_cast<double>(v[i]) / n;
-        }
-      }
-      fan.directions[d][part] = std::llround((low < high ? low + (high - low) / 2 : best) * unit);
+      const Between& range = vectors_[d].parts[part];
+      fan.directions[d][part] = std::llround((range.low < range.high ? range.low + (range.high - range.low) / 2 : range.best) * unit);
     }
-  }
   std::size_t right = 0;
-  for (std::size_t i = 0; i < x.size(); ++i)
-    right +=
-        fan.coordinate(0, directions[i], ranges[i]) == x[i] && fan.coordinate(1, directions[i], ranges[i]) == y[i] ? 1U : 0U;
+  exact = {true, true};
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const bool first = fan.coordinate(0, directions[i], ranges[i]) == x[i];
+    const bool second = fan.coordinate(1, directions[i], ranges[i]) == y[i];
+    right += first && second ? 1U : 0U;
+    exact[0] &= first;
+    exact[1] &= second;
+  }
   return 4 * right >= 3 * x.size();
 }
 

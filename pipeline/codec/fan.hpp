@@ -39,6 +39,7 @@ public:
   void find(std::span<const std::int32_t> x, std::span<const std::int32_t> y, Fan& fan);
 
   std::vector<std::int32_t> ranges, directions;
+  std::array<bool, 2> exact{}; ///< per part: all points come out right
 
 private:
   struct Point {
@@ -46,6 +47,26 @@ private:
     double size;
     std::uint32_t index;
   };
+  /// An end of a stretch of angles.
+  struct End {
+    double turn, size;
+  };
+  struct Bucket {
+    End low{3, 0}, high{-3, 0}; ///< of the points in it, the outermost ones
+    End longest{0, 0};
+    std::int32_t direction = 0;
+  };
+  struct Between {
+    double low = -1e300, high = 1e300;
+    double best = 0; ///< what the farthest point says alone
+  };
+  struct Vector {
+    std::array<Between, 2> parts;
+    std::int32_t best_range = 0;
+  };
+  [[nodiscard]] static bool are_apart(const End& a, const End& b) noexcept;
+  [[nodiscard]] bool cut_by_buckets();
+  void cut_sorted();
   [[nodiscard]] bool sort_out(std::span<const std::int32_t> x, std::span<const std::int32_t> y);
   void sort_by_angle();
   [[nodiscard]] bool fit(std::span<const std::int32_t> x, std::span<const std::int32_t> y, Fan& fan);
@@ -56,7 +77,10 @@ private:
   std::vector<double> turns_;
   std::vector<Point> points_, by_index_;
   std::vector<std::uint64_t> keys_, sorted_keys_; ///< angle, then index
-  std::vector<std::uint32_t> starts_;             ///< of the directions in points_, and the end
+  std::vector<std::uint32_t> bucket_at_; ///< by angle: which of
+  std::vector<Bucket> buckets_;
+  std::vector<Vector> vectors_; ///< per direction
+  std::size_t count_ = 0;       ///< of directions
 };
 
 void write_fan(const Fan& fan, Bytes& to);
