@@ -83,9 +83,8 @@ std::uint64_t ContextTables::together(std::size_t a, std::size_t b) const noexce
     both.words[w] = x.used.words[w] & y.used.words[w];
     tokens += static_cast<std::uint64_t>(std::popcount(x.used.words[w] | y.used.words[w]));
   }
-  for_each_bit(both.words, [&](std::size_t t) {
-    own += times_its_log(counts_[a][t] + counts_[b][t]) - own_[a][t] - own_[b][t];
-  });
+  for_each_bit(both.words,
+               [&](std::size_t t) { own += times_its_log(counts_[a][t] + counts_[b][t]) - own_[a][t] - own_[b][t]; });
   return coded_cost(x.sum + y.sum, own, tokens);
 }
 
@@ -122,9 +121,7 @@ std::uint64_t ContextTables::choose() noexcept {
     slot_[n++] = static_cast<std::uint8_t>(context);
   }
   const auto apart = [&](std::size_t s) { return shared_[slot_[s]].cost + shared_[slot_[s + 1]].cost; };
-  const auto gain_of = [&](std::size_t s) {
-    return static_cast<std::int64_t>(apart(s) - together(slot_[s], slot_[s + 1]));
-  };
+  const auto gain_of = [&](std::size_t s) { return static_cast<std::int64_t>(apart(s) - together(slot_[s], slot_[s + 1])); };
   for (std::size_t s = 0; s + 1 < n; ++s) gain[s] = gain_of(s);
   while (n > 1) {
     const auto best = static_cast<std::size_t>(std::max_element(gain.data(), gain.data() + n - 1) - gain.data());

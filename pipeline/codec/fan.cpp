@@ -167,7 +167,8 @@ bool FanFinder::fit(std::span<const std::int32_t> x, std::span<const std::int32_
   for (std::size_t d = 0; d < count_; ++d)
     for (const std::size_t part : {0U, 1U}) {
       const Between& range = vectors_[d].parts[part];
-      fan.directions[d][part] = std::llround((range.low < range.high ? range.low + (range.high - range.low) / 2 : range.best) * unit);
+      fan.directions[d][part] =
+          std::llround((range.low < range.high ? range.low + (range.high - range.low) / 2 : range.best) * unit);
     }
   std::size_t right = 0;
   exact = {true, true};

@@ -77,7 +77,7 @@ private:
   std::vector<double> turns_;
   std::vector<Point> points_, by_index_;
   std::vector<std::uint64_t> keys_, sorted_keys_; ///< angle, then index
-  std::vector<std::uint32_t> bucket_at_; ///< by angle: which of
+  std::vector<std::uint32_t> bucket_at_;          ///< by angle: which of
   std::vector<Bucket> buckets_;
   std::vector<Vector> vectors_; ///< per direction
   std::size_t count_ = 0;       ///< of directions

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/codec/fit.hpp"
 
-#include "pipeline/codec/frequencies.hpp"
-#include "pipeline/codec/kernels.hpp"
+#include "pipeline/codec/fit_kernels.hpp"
+#include "pipeline/codec/log2_fixed.hpp"
 
 #include <algorithm>
 #include <cmath>

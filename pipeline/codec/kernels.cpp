@@ -53,11 +53,11 @@ SCANSION_INLINE void residuals_loop(const std::int16_t* __restrict w, const Left
   const std::int32_t* __restrict slow = left.slow;
   for (std::size_t i = 0; i < n; ++i) {
     const std::int32_t* d = deviation + i;
-    const std::int64_t s = (kSum ? sum[i] : 0) + times(w[0], d[-1]) + times(w[1], d[-2]) + times(w[2], d[-3]) +
+    const std::int64_t s = (kSum ? sum[i] : 0) + left.rounding + times(w[0], d[-1]) + times(w[1], d[-2]) + times(w[2], d[-3]) +
                            times(w[3], d[-4]) + times(w[4], d[-5]) + times(w[5], d[-6]) + times(w[6], fast[i]) +
                            times(w[7], slow[i]);
     // The low 32 bits of the shifted sum: a logical shift gives the same, and vector units have it.
-    const auto guess = static_cast<std::uint32_t>(static_cast<std::uint64_t>(s + 2048) >> 12U);
+    const auto guess = static_cast<std::uint32_t>(static_cast<std::uint64_t>(s) >> 12U);
     residual[i] = static_cast<std::int32_t>(static_cast<std::uint32_t>(d[0]) - guess);
   }
 }
@@ -85,72 +85,6 @@ SCANSION_INLINE void contexts_body(const std::int32_t* size, const std::int32_t*
 }
 
 using Four = double __attribute__((vector_size(32)));
-using Row = std::array<Four, 4>;
-
-SCANSION_INLINE Row row_of(const std::int32_t* numbers) noexcept {
-  using FourWhole = std::int32_t __attribute__((vector_size(16)));
-  Row row;
-  for (std::size_t j = 0; j < row.size(); ++j) {
-    FourWhole whole;
-    std::memcpy(&whole, numbers + 4 * j, sizeof whole);
-    row[j] = __builtin_convertvector(whole, Four);
-  }
-  return row;
-}
-
-// Four at a time by hand: left alone, GCC 12 unrolls this loop into single numbers. Several rows together save most loads and
-// stores of the sums; the order of additions stays.
-template <std::size_t kRows>
-SCANSION_INLINE void add_rows(const std::int32_t* rows, std::size_t stride, const double* factors, double* normal,
-                              std::size_t count) noexcept {
-  std::array<Row, kRows> row;
-  for (std::size_t r = 0; r < kRows; ++r) row[r] = row_of(rows + 16 * stride * r);
-  for (std::size_t i = 0; i < count; ++i) {
-    std::array<double, kRows> x;
-    for (std::size_t r = 0; r < kRows; ++r) x[r] = rows[16 * stride * r + i] * factors[r];
-    for (std::size_t j = 0; j < std::tuple_size_v<Row>; ++j) {
-      if (j > i / 4 && j + 1 < std::tuple_size_v<Row>) continue; // symmetric: what the lower half says
-      double* at = normal + 16 * i + 4 * j;
-      Four sum;
-      std::memcpy(&sum, at, sizeof sum);
-      for (std::size_t r = 0; r < kRows; ++r) sum += row[r][j] * x[r];
-      std::memcpy(at, &sum, sizeof sum);
-    }
-  }
-}
-SCANSION_INLINE void add_products_body(const std::int32_t* rows, std::size_t stride, const double* factors, std::size_t n,
-                                       double* normal, std::size_t count) noexcept {
-  constexpr std::size_t kTogether = 3; // as many as registers hold
-  std::size_t r = 0;
-  for (; r + kTogether <= n; r += kTogether) add_rows<kTogether>(rows + 16 * stride * r, stride, factors + r, normal, count);
-  for (; r < n; ++r) add_rows<1>(rows + 16 * stride * r, stride, factors + r, normal, count);
-}
-
-// Sums of whole numbers: exact in any order.
-SCANSION_INLINE void row_amounts_body(const std::int32_t* rows, double* amounts, std::size_t n) noexcept {
-  constexpr Four kNotMeans{1, 1, 0, 0};
-  for (std::size_t r = 0; r < n; ++r) {
-    Row x = row_of(rows + 16 * r);
-    for (Four& four : x) four = four < 0 ? -four : four;
-    const Four sums = (x[0] + x[1] * kNotMeans) + (x[2] + x[3]);
-    amounts[r] = (sums[0] + sums[1]) + (sums[2] + sums[3]);
-  }
-}
-
-// All sums are whole numbers below 2^53, so they come out exact in any order.
-SCANSION_INLINE void left_over_body(const std::int32_t* rows, const double* weights, std::int32_t* left,
-                                    std::size_t n) noexcept {
-  constexpr std::size_t kTarget = 14;
-  Row w;
-  std::memcpy(w.data(), weights, sizeof w);
-  for (std::size_t r = 0; r < n; ++r, rows += 16) {
-    const Row x = row_of(rows);
-    const Four sums = (x[0] * w[0] + x[1] * w[1]) + (x[2] * w[2] + x[3] * w[3]);
-    const auto guess = (static_cast<std::int64_t>((sums[0] + sums[1]) + (sums[2] + sums[3])) + 2048) >> 12;
-    left[r] = minus(rows[kTarget], static_cast<std::int32_t>(guess));
-  }
-}
-
 SCANSION_INLINE void from_steps_body(const std::int32_t* __restrict u, std::uint32_t base, std::uint32_t step,
                                      std::int32_t* __restrict to, std::size_t n) noexcept {
   for (std::size_t i = 0; i < n; ++i) to[i] = static_cast<std::int32_t>(base + step * static_cast<std::uint32_t>(u[i]));
@@ -301,17 +235,6 @@ __attribute__((target("avx2"))) void bounds_avx2(const std::int32_t* values, std
                                                  std::int32_t& high) noexcept {
   bounds_body(values, n, low, high);
 }
-__attribute__((target("avx2"))) void add_products_avx2(const std::int32_t* rows, std::size_t stride, const double* factors,
-                                                       std::size_t n, double* normal, std::size_t count) noexcept {
-  add_products_body(rows, stride, factors, n, normal, count);
-}
-__attribute__((target("avx2"))) void row_amounts_avx2(const std::int32_t* rows, double* amounts, std::size_t n) noexcept {
-  row_amounts_body(rows, amounts, n);
-}
-__attribute__((target("avx2"))) void left_over_avx2(const std::int32_t* rows, const double* weights, std::int32_t* left,
-                                                    std::size_t n) noexcept {
-  left_over_body(rows, weights, left, n);
-}
 __attribute__((target("avx2"))) void weigh_beside_avx2(const std::int16_t* w, const Above& above, std::int64_t* sum,
                                                        std::int32_t* size, std::size_t n) noexcept {
   weigh_beside_body(w, above, sum, size, n);
@@ -338,9 +261,6 @@ constexpr auto off_slope_avx2 = off_slope_body;
 constexpr auto sizes_avx2 = sizes_body;
 constexpr auto tokens_avx2 = tokens_body;
 constexpr auto bounds_avx2 = bounds_body;
-constexpr auto add_products_avx2 = add_products_body;
-constexpr auto row_amounts_avx2 = row_amounts_body;
-constexpr auto left_over_avx2 = left_over_body;
 constexpr auto weigh_beside_avx2 = weigh_beside_body;
 constexpr auto weigh_chord_avx2 = weigh_chord_body;
 constexpr auto residuals_avx2 = residuals_body;
@@ -365,25 +285,6 @@ std::uint8_t portable::tokens(const std::int32_t* values, std::uint8_t* token, s
 }
 void portable::contexts(const std::int32_t* size, const std::int32_t* above, std::uint8_t* context, std::size_t n) noexcept {
   contexts_body(size, above, context, n);
-}
-
-void add_products(const std::int32_t* rows, std::size_t stride, const double* factors, std::size_t n, double* normal,
-                  std::size_t count) noexcept {
-  if (has_avx2())
-    add_products_avx2(rows, stride, factors, n, normal, count);
-  else
-    add_products_body(rows, stride, factors, n, normal, count);
-}
-
-void row_amounts(const std::int32_t* rows, double* amounts, std::size_t n) noexcept {
-  has_avx2() ? row_amounts_avx2(rows, amounts, n) : row_amounts_body(rows, amounts, n);
-}
-
-void left_over(const std::int32_t* rows, const double* weights, std::int32_t* left, std::size_t n) noexcept {
-  if (has_avx2())
-    left_over_avx2(rows, weights, left, n);
-  else
-    left_over_body(rows, weights, left, n);
 }
 
 std::size_t above(const double* values, double limit, std::uint32_t* indexes, std::size_t n, double& rest) noexcept {

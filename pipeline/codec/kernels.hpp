@@ -60,22 +60,12 @@ struct Left {
   const std::int32_t* deviation; ///< read from six before
   const std::int32_t* fast;      ///< running means
   const std::int32_t* slow;
+  std::int64_t rounding;
 };
-/// residual[i] = deviation[i] - ((sum[i] + weights times the six deviations to the left and the means + 2048) >> 12), modulo
-/// 2^32. `sum` may be null: all 0.
+/// residual[i] = deviation[i] - ((sum[i] + weights times the six deviations to the left and the means + rounding) >> 12),
+/// modulo 2^32. `sum` may be null: all 0.
 void residuals(const std::int16_t* weights, const Left& left, const std::int64_t* sum, std::int32_t* residual,
                std::size_t n) noexcept;
-
-/// A row of a fit is 16 numbers: deviations, target, nothing.
-/// normal[i][j] += x[i] * factor * x[j] for i < count: for j up to i and from 12 on, at least; for n rows, `stride` apart, each
-/// with its own factor, one after the other. Multiplies and adds apart, so every machine rounds alike.
-void add_products(const std::int32_t* rows, std::size_t stride, const double* factors, std::size_t n, double* normal,
-                  std::size_t count) noexcept;
-/// amounts[r] = the sum of the amounts of all numbers of row r but the seventh and the eighth.
-void row_amounts(const std::int32_t* rows, double* amounts, std::size_t n) noexcept;
-/// left[r] = target - ((the sum of 14 weights times what they weigh + 2048) >> 12), modulo 2^32. `weights` are 16, whole
-/// numbers of 16 bits, the last two 0.
-void left_over(const std::int32_t* rows, const double* weights, std::int32_t* left, std::size_t n) noexcept;
 
 /// size[i] = min(|residual[i]|, limit).
 void sizes(const std::int32_t* residual, std::uint32_t limit, std::int32_t* size, std::size_t n) noexcept;

@@ -11,15 +11,16 @@ namespace {
 void residuals_of_run(const Weights& w, const RestAxis& axis, const std::int64_t* above, PointIndex first, PointIndex last,
                       std::int32_t* residual) noexcept {
   const std::int32_t* const deviation = axis.deviation.data();
+  const std::int64_t rounding = RunningMeans::rounding(w);
   const PointIndex begun = std::min<PointIndex>(last, first + kLeft);
   for (PointIndex i = first + 1; i < begun; ++i) {
-    std::int64_t sum = (above != nullptr ? above[i] : 0) + (std::int64_t{1} << (kWeightBits - 1));
+    std::int64_t sum = (above != nullptr ? above[i] : 0) + rounding;
     for (std::size_t k = 0; k < i - first; ++k) sum += std::int64_t{w[k]} * deviation[i - k - 1];
     for (std::size_t k = 0; k < kMeans; ++k) sum += std::int64_t{w[kLeft + k]} * axis.means[k][i];
     residual[i] = wrap(deviation[i] - (sum >> kWeightBits));
   }
   if (begun >= last) return;
-  const kernels::Left left{deviation + begun, axis.means[0].data() + begun, axis.means[1].data() + begun};
+  const kernels::Left left{deviation + begun, axis.means[0].data() + begun, axis.means[1].data() + begun, rounding};
   kernels::residuals(w.data(), left, above == nullptr ? nullptr : above + begun, residual + begun, last - begun);
 }
 

@@ -69,6 +69,7 @@ void add_predictions(const RunToTake& run, const Weights& weights, std::int32_t*
   std::array<std::int64_t, kLineWeights> w; // as wide as the sums: nothing is widened point by point
   std::copy_n(weights.begin(), w.size(), w.begin());
   std::array<std::int64_t, kLeft> weighed{}; // what the points to the left add to the next, the one after it, ...
+  const std::int64_t rounding = RunningMeans::rounding(weights);
   RunningMeans means;
   const auto move_on = [&](std::size_t i, std::int64_t now) {
     for (std::size_t k = 0; k + 1 < kLeft; ++k) weighed[k] = weighed[k + 1] + w[k] * now;
@@ -82,8 +83,7 @@ void add_predictions(const RunToTake& run, const Weights& weights, std::int32_t*
     std::int64_t on_chord = std::int64_t{u[i]} * (std::int64_t{1} << Chord::kStepBits);
     move_on(i, 0);
     for (++i; i < end; ++i) {
-      const std::int64_t others = (kAbove ? run.sum[i] : 0) + (std::int64_t{1} << (kWeightBits - 1)) + w[kLeft] * means.fast +
-                                  w[kLeft + 1] * means.slow;
+      const std::int64_t others = (kAbove ? run.sum[i] : 0) + rounding + w[kLeft] * means.fast + w[kLeft + 1] * means.slow;
       const std::int32_t off = wrap(((others + weighed[0]) >> kWeightBits) + u[i]); // what is known last comes last
       on_chord += step;
       u[i] = wrap((on_chord >> Chord::kStepBits) + off);

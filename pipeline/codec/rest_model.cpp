@@ -186,7 +186,7 @@ std::array<std::int32_t, kWeights> deviations_of(const RestAxis& axis, std::span
                                                  PointIndex i) noexcept {
   std::array<std::int32_t, kWeights> d{};
   for (std::size_t k = 0; k < kLeft; ++k) d[k] = i >= run_first + k + 1 ? axis.deviation[i - k - 1] : 0;
-  for (std::size_t k = 0; k < kMeans; ++k) d[kLeft + k] = axis.means[k][i];
+  for (std::size_t k = 0; k < kMeans; ++k) d[kLeft + k] = axis.means[k][i] + RunningMeans::kLess[k];
   if (!line.has_above) return d;
   const std::int64_t j = neighbours.of(line, i);
   const auto held = [&](std::int64_t p) {

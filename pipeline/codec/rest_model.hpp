@@ -49,11 +49,18 @@ inline constexpr std::uint32_t kLargestSize = 1U << 20U;
 }
 
 /// Running means of deviations, fast and slow, in 2^-kMeanBits counts. The point just before is left out: it has a weight of
-/// its own, and a decoder that has just got it need not wait for the means.
+/// its own, and a decoder that has just got it need not wait for the means. They are kept less half of what rounding down takes
+/// at most, which keeps them from lying that much too low.
 struct RunningMeans {
   static constexpr unsigned kMeanBits = 4;
   static constexpr unsigned kFast = 3, kSlow = 5; ///< each point counts 2^-k
-  std::int32_t fast = 0, slow = 0;
+  static constexpr std::array<std::int32_t, kMeans> kLess{1 << (kFast - 1), 1 << (kSlow - 1)};
+  std::int32_t fast = -kLess[0], slow = -kLess[1];
+
+  /// What is added to a sum of weights times deviations before it is shifted: to round, and what the means are kept less.
+  [[nodiscard]] static std::int64_t rounding(const Weights& w) noexcept {
+    return (std::int64_t{1} << (kWeightBits - 1)) + std::int64_t{w[kLeft]} * kLess[0] + std::int64_t{w[kLeft + 1]} * kLess[1];
+  }
 
   void add(std::int32_t deviation) noexcept {
     fast = toward(fast, kFast);

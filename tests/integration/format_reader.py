@@ -605,8 +605,8 @@ class Group:
         for i in new:
             start, (j, first, end) = starts[i], neighbours[i]
             if begun != start:
-                begun, fast, slow, before = start, 0, 0, 0
-            near = [wrap(u[i - n] - curve[i - n]) if i - n >= start else 0 for n in range(1, 7)] + [fast, slow]
+                begun, fast, slow, before = start, -4, -16, 0
+            near = [wrap(u[i - n] - curve[i - n]) if i - n >= start else 0 for n in range(1, 7)] + [fast + 4, slow + 16]
             a, b = (size[i - 1],) * 2 if known[i - 1] else (size[i - n] if i - n >= start else 0 for n in (2, 3))
             activity = 2 * max(a, b) + a + b
             if j is None:

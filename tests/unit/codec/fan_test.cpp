@@ -62,6 +62,12 @@ TEST(Fan, IsFound) {
   expect_fan(sweep(random, 20, 400, 359, 250, 0), 400); // a quarter turns over the end of the half-open circle
 }
 
+// So narrow that several directions share a bucket of angles.
+TEST(Fan, IsFoundWhereDirectionsLieDense) {
+  std::mt19937 random(3);
+  expect_fan(sweep(random, 64, 400, 8, 10000, 10), 400);
+}
+
 TEST(Fan, IsNotFoundWhereThereIsNone) {
   std::mt19937 random(2);
   FanFinder finder;

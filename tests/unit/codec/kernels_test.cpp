@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/codec/kernels.hpp"
 
+#include "pipeline/codec/fit_kernels.hpp"
 #include "pipeline/codec/rest_model.hpp"
 #include "pipeline/codec/tokens.hpp"
 
@@ -43,7 +44,7 @@ TEST(Kernels, VectorUnitsChangeNothing) {
     kernels::portable::weigh_chord(weights.data(), chord.data() + 8, sum2.data(), n);
     EXPECT_EQ(sum, sum2);
     EXPECT_EQ(beside, beside2);
-    const kernels::Left left{deviation.data() + 8, fast.data(), slow.data()};
+    const kernels::Left left{deviation.data() + 8, fast.data(), slow.data(), 2048 + static_cast<std::int64_t>(n)};
     for (const std::int64_t* above_sum :
          {static_cast<const std::int64_t*>(nullptr), static_cast<const std::int64_t*>(sum.data())}) {
       kernels::residuals(weights.data(), left, above_sum, residual.data(), n);
@@ -117,6 +118,65 @@ TEST(Kernels, LeftOverIsWhatWholeNumbersGive) {
     std::int64_t sum = 1 << (kWeightBits - 1);
     for (std::size_t k = 0; k < kWeights; ++k) sum += std::int64_t{weights[k]} * rows[16 * r + k];
     ASSERT_EQ(left[r], wrap(rows[16 * r + kWeights] - (sum >> kWeightBits)));
+  }
+}
+
+// A row at a time, added in order: not a bit may differ.
+TEST(Kernels, ProductsOfRowsAreAddedOneAfterTheOther) {
+  std::mt19937_64 random(7);
+  for (std::size_t n = 0; n < 9; ++n)
+    for (const std::size_t stride : {1U, 2U}) {
+      const auto rows = noise<std::int32_t>(random, 16 * (stride * n + 1));
+      std::vector<double> factors(n);
+      for (double& f : factors) f = 1.0 / (1.0 + static_cast<double>(random() % 1000));
+      std::array<double, 14 * 16> normal{}, expected{};
+      for (std::size_t r = 0; r < n; ++r)
+        for (std::size_t i = 0; i < 14; ++i)
+          for (std::size_t j = 0; j < 16; ++j) {
+            const double factor = rows[16 * stride * r + i] * factors[r];
+            expected[16 * i + j] += rows[16 * stride * r + j] * factor;
+          }
+      kernels::add_products(rows.data(), stride, factors.data(), n, normal.data(), 14);
+      for (std::size_t i = 0; i < 14; ++i)
+        for (std::size_t j = 0; j < 16; ++j)
+          if (j <= i || j >= 12) {
+            EXPECT_EQ(normal[16 * i + j], expected[16 * i + j]);
+          }
+      std::vector<double> amounts(n);
+      kernels::row_amounts(rows.data(), amounts.data(), n);
+      for (std::size_t r = 0; r < n; ++r) {
+        std::int64_t sum = 0;
+        for (std::size_t k = 0; k < 16; ++k) sum += k == 6 || k == 7 ? 0 : std::abs(std::int64_t{rows[16 * r + k]});
+        EXPECT_EQ(amounts[r], static_cast<double>(sum));
+      }
+    }
+}
+
+TEST(Kernels, ChordsAndWhatLiesOffThem) {
+  std::mt19937_64 random(8);
+  for (std::size_t n = 0; n < 70; ++n) {
+    const auto values = noise<std::int32_t>(random, n);
+    const auto from = static_cast<std::int32_t>(random());
+    const std::int64_t step = static_cast<std::int64_t>(random()) >> (16 + random() % 40);
+    std::vector<std::int32_t> chord(n), off(n), slope(n);
+    kernels::slope(from, step, slope.data(), n);
+    kernels::off_slope(from, step, values.data(), chord.data(), off.data(), n);
+    EXPECT_EQ(chord, slope);
+    for (std::size_t i = 0; i < n; ++i) {
+      ASSERT_EQ(chord[i], wrap(from + (step * static_cast<std::int64_t>(i + 1) >> 16)));
+      ASSERT_EQ(off[i], wrap(std::int64_t{values[i]} - chord[i]));
+    }
+  }
+}
+
+TEST(Kernels, CountsThatAreNotZero) {
+  std::mt19937_64 random(9);
+  for (std::size_t n = 0; n < 150; ++n) {
+    std::vector<std::uint32_t> counts(n);
+    for (auto& c : counts) c = random() % 3 == 0 ? static_cast<std::uint32_t>(random()) : 0;
+    std::array<std::uint64_t, 3> bits{};
+    kernels::nonzero(counts.data(), n, bits.data());
+    for (std::size_t i = 0; i < 192; ++i) ASSERT_EQ(bits[i / 64] >> i % 64 & 1U, i < n && counts[i] != 0 ? 1U : 0U);
   }
 }
 

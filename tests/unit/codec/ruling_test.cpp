@@ -50,6 +50,34 @@ std::size_t through(const Axis& axis) {
   return bytes.size();
 }
 
+// As the definition says, point after point; extremes where they first are.
+TEST(Ruling, PointsAlongAPitchAreMeasuredAlikeInVectors) {
+  std::mt19937_64 random(11);
+  for (int turn = 0; turn < 3000; ++turn) {
+    const std::size_t n = 1 + random() % 60;
+    const double pitch = (random() % 2 == 0 ? 1 : -1) * static_cast<double>(1 + random() % 100'000) / 997;
+    std::vector<std::int32_t> u(n);
+    double at = static_cast<double>(random() % 2'000'000) - 1e6;
+    for (auto& v : u) {
+      v = static_cast<std::int32_t>(at + static_cast<double>(random() % 3));
+      at += pitch * (random() % 40 == 0 ? 3 : 1);
+    }
+    kernels::Spread spread{static_cast<double>(u.front()), pitch};
+    kernels::Spread expected = spread;
+    std::size_t i = 1;
+    for (; i < n && std::abs((static_cast<double>(u[i]) - u[i - 1]) - pitch) < std::abs(pitch) / 2; ++i) {
+      expected.last += 1;
+      expected.take(u[i]);
+    }
+    ASSERT_EQ(kernels::along_pitch(u.data() + 1, n - 1, spread), i - 1);
+    EXPECT_EQ(spread.last, expected.last);
+    EXPECT_EQ(spread.low, expected.low);
+    EXPECT_EQ(spread.high, expected.high);
+    EXPECT_EQ(spread.low_at, expected.low_at);
+    EXPECT_EQ(spread.high_at, expected.high_at);
+  }
+}
+
 TEST(Ruling, ARasterWithHolesCostsItsHoles) {
   std::mt19937_64 random(1);
   Axis axis;
