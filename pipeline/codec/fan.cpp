@@ -143,7 +143,9 @@ bool FanFinder::fit(std::span<const std::int32_t> x, std::span<const std::int32_
   ranges.resize(x.size());
   vectors_.assign(count_, {});
   for (std::size_t i = 0; i < x.size(); ++i) {
-    const auto n = static_cast<std::int32_t>(length(x[i], y[i]) / step_ + 0.5);
+    constexpr double kHalf = 0.5; // ranges are positive: what is cut off then rounds
+    const double steps = length(x[i], y[i]) / step_ + kHalf;
+    const auto n = static_cast<std::int32_t>(steps);
     ranges[i] = n;
     longest = std::max(longest, n);
     if (n <= 0) continue;
