@@ -81,9 +81,9 @@ bool FanFinder::are_apart(const End& a, const End& b) noexcept {
 // Directions are narrow and lie far apart: then each has a bucket of angles to itself, or two next to each other, and nothing
 // need be sorted. False when one bucket may hold two.
 bool FanFinder::cut_by_buckets() {
-  constexpr std::size_t kBucketsARight = 2048; // right angle
+  constexpr std::size_t kBucketsARight = 2048;  // right angle
   bucket_at_.assign(4 * kBucketsARight + 1, 0); // the angle goes from -2 to 2, both included
-  buckets_.assign(1, {});             // of angles that no point has
+  buckets_.assign(1, {});                       // of angles that no point has
   for (const Point& p : points_) {
     std::uint32_t& b = bucket_at_[static_cast<std::size_t>((p.turn + 2) * kBucketsARight)];
     if (b == 0) {

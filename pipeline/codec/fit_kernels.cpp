@@ -27,8 +27,8 @@ inline __attribute__((always_inline)) Row row_of(const std::int32_t* numbers) no
 // Four at a time by hand: left alone, GCC 12 unrolls this loop into single numbers. Several rows together save most loads and
 // stores of the sums; the order of additions stays.
 template <std::size_t kRows>
-inline __attribute__((always_inline)) void add_rows(const std::int32_t* rows, std::size_t stride, const double* factors, double* normal,
-                              std::size_t count) noexcept {
+inline __attribute__((always_inline)) void add_rows(const std::int32_t* rows, std::size_t stride, const double* factors,
+                                                    double* normal, std::size_t count) noexcept {
   std::array<Row, kRows> row;
   for (std::size_t r = 0; r < kRows; ++r) row[r] = row_of(rows + 16 * stride * r);
   for (std::size_t i = 0; i < count; ++i) {
@@ -44,8 +44,9 @@ inline __attribute__((always_inline)) void add_rows(const std::int32_t* rows, st
     }
   }
 }
-inline __attribute__((always_inline)) void add_products_body(const std::int32_t* rows, std::size_t stride, const double* factors, std::size_t n,
-                                       double* normal, std::size_t count) noexcept {
+inline __attribute__((always_inline)) void add_products_body(const std::int32_t* rows, std::size_t stride,
+                                                             const double* factors, std::size_t n, double* normal,
+                                                             std::size_t count) noexcept {
   constexpr std::size_t kTogether = 3; // as many as registers hold
   std::size_t r = 0;
   for (; r + kTogether <= n; r += kTogether) add_rows<kTogether>(rows + 16 * stride * r, stride, factors + r, normal, count);
@@ -65,7 +66,7 @@ inline __attribute__((always_inline)) void row_amounts_body(const std::int32_t* 
 
 // All sums are whole numbers below 2^53, so they come out exact in any order.
 inline __attribute__((always_inline)) void left_over_body(const std::int32_t* rows, const double* weights, std::int32_t* left,
-                                    std::size_t n) noexcept {
+                                                          std::size_t n) noexcept {
   constexpr std::size_t kTarget = 14;
   Row w;
   std::memcpy(w.data(), weights, sizeof w);
