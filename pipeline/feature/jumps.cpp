@@ -122,11 +122,9 @@ void Jumps::across(const PatchRow& before, const PatchRow& now, const PatchRow* 
     const bool backed = known != cuts.end() && known->backed;
     parting_.push_back({static_cast<double>(wall.column) * pitch, wall.column, BorderKind::step, backed});
   }
-  if (!(above_.empty() && here_.empty() && below_.empty())) {
+  if (!here_.empty()) {
     std::erase_if(cuts, [&](const Cut& cut) {
-      const bool moved =
-          cut.kind == BorderKind::step && (has(above_, cut.column) || has(here_, cut.column) || has(below_, cut.column));
-      return moved || has(parting_, cut.column);
+      return (cut.kind == BorderKind::step && has(here_, cut.column)) || has(parting_, cut.column);
     });
   }
   if (!parting_.empty()) {
