@@ -3,6 +3,7 @@
 #include "pipeline/export/patch_writer.hpp"
 
 #include "pipeline/export/feature_writer.hpp"
+#include "pipeline/record/notes.hpp"
 
 #include <algorithm>
 #include <array>
@@ -134,12 +135,11 @@ public:
               ",\"label\":\"" + std::string(name(patch.label)) + "\",\"shape\":\"" + std::string(name(patch.shape)) +
               "\",\"samples\":" + std::to_string(patch.samples) + "}";
     }
+    const double mm_per_unit = millimetres(style_.unit).value();
     text += "],\"forms\":[";
     for (const Form& form : findings_.forms) {
-      text += (&form == &findings_.forms.front() ? "\n{\"kind\":\"" : ",\n{\"kind\":\"") + std::string(name(form.kind)) +
-              "\",\"patches\":[";
-      for (std::size_t k = 0; k < form.patches.size(); ++k) text += (k == 0 ? "" : ",") + std::to_string(form.patches[k]);
-      text += "]}";
+      text += &form == &findings_.forms.front() ? "\n" : ",\n";
+      append_form(text, form, mm_per_unit);
     }
     return file.append(text + "],\"points\":[");
   }

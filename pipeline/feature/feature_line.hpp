@@ -144,11 +144,23 @@ struct Patch {
   friend bool operator==(const Patch&, const Patch&) = default;
 };
 
-/// A form feature: the patches that make it up.
+/// Place and size of a hole, in plan of the scan.
+struct HoleSize {
+  std::array<double, 3> middle{};         ///< mm; at the height of its rim
+  double along_mm = 0.0, across_mm = 0.0; ///< its extent along the scan lines and across them
+  double area_mm2 = 0.0;
+  std::uint64_t rim = 0; ///< id of the feature line around it
+
+  [[nodiscard]] double diameter_mm() const noexcept; ///< of the circle of this area
+  friend bool operator==(const HoleSize&, const HoleSize&) = default;
+};
+
+/// A form feature: the patches that make it up; of a hole the one that it lies in.
 struct Form {
   FormKind kind = FormKind::face;
   std::vector<std::uint32_t> patches;
-  double confidence = 0.0; ///< share of its border that feature lines back
+  double confidence = 0.0;        ///< share of its border that feature lines back; of a hole's outline, that is its rim
+  std::optional<HoleSize> hole{}; ///< of holes only
 
   friend bool operator==(const Form&, const Form&) = default;
 };

@@ -58,6 +58,7 @@ struct FeatureStage::Impl {
   /// False: the line is left out.
   [[nodiscard]] bool process(const RawLine& line, FeatureReport& report);
   void publish(FeatureReport& report);
+  void publish_holes(const Sampling& sampling, FeatureReport& report);
   /// The sampling in which features are looked for.
   [[nodiscard]] Sampling looked_at() const { return averages ? pair_estimator.value() : estimator.value(); }
 
@@ -124,6 +125,7 @@ bool FeatureStage::Impl::process(const RawLine& line, FeatureReport& report) {
     finder.finish(looked_at(), FeatureEnd::gap, curves);
     publish(report);
     patches->finish(sampling, report);
+    publish_holes(sampling, report);
     patches->restart();
     finder.cuts().restart();
     junctions.restart();
@@ -149,6 +151,23 @@ void FeatureStage::Impl::publish(FeatureReport& report) {
   }
   curves.clear();
   patches->advance(finder.cuts_complete(), finder.cuts(), sampling, report);
+  publish_holes(sampling, report);
+}
+
+// Each with the feature line around it.
+void FeatureStage::Impl::publish_holes(const Sampling& sampling, FeatureReport& report) {
+  for (const FoundHole& hole : patches->holes()) {
+    const HoleOutline& outline = hole.outline;
+    FeatureLine& rim = report.lines.emplace_back(publisher.publish(outline, finder.new_id(), *frame, sampling));
+    HoleSize size;
+    size.middle = publisher.position(*frame, outline.s, outline.w, outline.c);
+    size.along_mm = outline.s_high - outline.s_low;
+    size.across_mm = outline.c_high - outline.c_low;
+    size.area_mm2 = outline.area;
+    size.rim = rim.id;
+    report.forms.push_back({FormKind::hole, {hole.patch}, hole.confidence, size});
+  }
+  patches->holes().clear();
 }
 
 FeatureStage::FeatureStage(const Lattice& lattice, const FeatureSettings& settings)
@@ -188,6 +207,7 @@ void FeatureStage::finish(FeatureReport& report) {
   m.finder.finish(m.looked_at(), FeatureEnd::open, m.curves);
   m.publish(report);
   m.patches->finish(m.estimator.value(), report);
+  m.publish_holes(m.estimator.value(), report);
 }
 
 } // namespace scansion

@@ -29,6 +29,9 @@ public:
   /// Points that wait.
   [[nodiscard]] std::size_t held_points() const noexcept;
 
+  /// For a line that is found some other way.
+  [[nodiscard]] std::uint64_t new_id() noexcept { return next_id_++; }
+
 private:
   struct End {
     std::size_t curve = 0;

@@ -31,6 +31,8 @@ public:
   [[nodiscard]] bool has_settled() const noexcept { return since_settled_ == 0; }
   /// The cuts that patches need, complete up to cuts_complete().
   [[nodiscard]] Cuts& cuts() noexcept { return cuts_; }
+  /// For a feature line that is found some other way.
+  [[nodiscard]] std::uint64_t new_id() noexcept { return joiner_.new_id(); }
   [[nodiscard]] double cuts_complete() const noexcept { return cuts_complete_; }
 
 private:

@@ -1,6 +1,9 @@
-// The words for feature types, shapes and forms.
+// The words for feature types, shapes and forms, and what follows from their values.
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/feature/feature_line.hpp"
+
+#include <cmath>
+#include <numbers>
 
 namespace scansion {
 
@@ -31,6 +34,10 @@ constexpr std::array<std::string_view, kFormKinds> kForms = {"face", "fillet", "
                                                              "boss", "slot",   "pocket",  "step", "hole"};
 
 } // namespace
+
+double HoleSize::diameter_mm() const noexcept {
+  return 2.0 * std::sqrt(area_mm2 / std::numbers::pi);
+}
 
 std::string_view name(FeatureType type) noexcept {
   return kTypes[static_cast<std::size_t>(type)];

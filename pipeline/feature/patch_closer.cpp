@@ -78,7 +78,6 @@ void PatchCloser::shut(PatchGraph& graph, const PatchProgress& progress, Feature
 }
 
 void PatchCloser::publish(PatchGraph& graph, const PatchProgress& progress, const Sampling& sampling, FeatureReport& report) {
-  tell_runs(graph, progress, report);
   gather_ids(graph, [&](const PatchNode& n) { return is_ready(graph, n, progress); });
   PatchLooks looks(graph, sampling);
   for (const std::uint32_t id : ids_) settle(graph, id, looks, sampling, report);

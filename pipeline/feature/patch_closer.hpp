@@ -18,7 +18,8 @@ struct PatchProgress {
   bool is_complete = false; ///< there are no further rows
 };
 
-/// Works on a graph, always the same one: first shut(), then, when nobody holds an id from before any more, publish().
+/// Works on a graph, always the same one: first shut(), then, when nobody holds an id from before any more, tell_runs() and
+/// publish().
 /// Thread-bound: holds scratch.
 class PatchCloser {
 public:
@@ -28,14 +29,14 @@ public:
   void add(const PatchRun& run, std::int64_t row) { runs_.add(run, row); }
   /// Patches that the last rows did not touch are done; small ones are dissolved.
   void shut(PatchGraph& graph, const PatchProgress& progress, FeatureReport& report);
-  /// Tells of runs that have waited long enough, and of patches that are done and whose neighbours are; forgets what is told
-  /// of.
+  /// Tells of runs that have waited long enough; their patches are told of, too, sooner or later.
+  void tell_runs(PatchGraph& graph, const PatchProgress& progress, FeatureReport& report);
+  /// Tells of patches that are done and whose neighbours are; forgets what is told of.
   void publish(PatchGraph& graph, const PatchProgress& progress, const Sampling& sampling, FeatureReport& report);
 
 private:
   template <typename Which>
   void gather_ids(const PatchGraph& graph, const Which& which);
-  void tell_runs(PatchGraph& graph, const PatchProgress& progress, FeatureReport& report);
   /// Is the patch large enough to be told of? Then it stays so.
   [[nodiscard]] bool is_real(PatchNode& node) const;
   void settle(PatchGraph& graph, std::uint32_t id, PatchLooks& looks, const Sampling& sampling, FeatureReport& report);

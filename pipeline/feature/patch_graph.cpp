@@ -103,6 +103,7 @@ std::uint32_t PatchGraph::unite(std::uint32_t a, std::uint32_t b, std::vector<Pa
   }
   to.sums.add(gone.sums);
   to.open += gone.open;
+  to.holes += gone.holes;
   to.last_row = std::max(to.last_row, gone.last_row);
   to.s_low = std::min(to.s_low, gone.s_low);
   to.s_high = std::max(to.s_high, gone.s_high);

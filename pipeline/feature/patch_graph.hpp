@@ -17,7 +17,8 @@ namespace scansion {
 struct PatchNode {
   PatchSums sums;
   Borders borders;
-  double open = 0.0; ///< border on the end of the data, mm
+  double open = 0.0;  ///< border on the end of the data, mm
+  double holes = 0.0; ///< area of those in it, mm2
   std::int64_t last_row = 0;
   double s_low = 1e300, s_high = -1e300, c_low = 1e300, c_high = -1e300;
   bool doubtful = false;

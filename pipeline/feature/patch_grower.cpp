@@ -320,10 +320,24 @@ void PatchGrower::assign(const PatchRow& row, const PatchRow* next, Cuts& cuts, 
     measure_ends(row);
   }
   queue_runs(row);
+  find_holes(row, sampling);
+  holes_.follow(graph_);
   graph_.resolve(row_number_);
   std::swap(above_, now_);
   last_c_ = row.c;
   ++row_number_;
+}
+
+// Beside samples that are missing; ids of both rows are those in force.
+void PatchGrower::find_holes(const PatchRow& row, const Sampling& sampling) {
+  if (!holes_.wants(row)) return;
+  const auto fill = [](const std::vector<Stretch>& stretches, std::vector<PatchSpan>& spans) {
+    spans.clear();
+    for (const Stretch& t : stretches) spans.push_back({t.last, t.patch});
+  };
+  fill(above_, spans_above_);
+  fill(now_, spans_now_);
+  holes_.add({above_.empty() ? nullptr : &last_row_, spans_above_}, {&row, spans_now_}, row_number_, pitch_, sampling);
 }
 
 // Nothing follows the last row.
@@ -331,13 +345,17 @@ void PatchGrower::end_rows() {
   for (const Stretch& t : above_) graph_.node(t.patch).open += t.s_high - t.s_low;
   above_.clear();
   jumps_.restart();
+  holes_.end_rows();
 }
 
 void PatchGrower::close(bool is_complete, const Sampling& sampling, FeatureReport& report) {
   const PatchProgress progress{row_number_, last_row_.s.size(), is_complete};
   closer_.shut(graph_, progress, report);
   for (Stretch& t : above_) t.patch = graph_.find(t.patch);
+  holes_.follow(graph_);
   graph_.resolve(row_number_);
+  closer_.tell_runs(graph_, progress, report);
+  holes_.tell(graph_, progress.rows, is_complete, sampling, found_holes_);
   closer_.publish(graph_, progress, sampling, report);
 }
 

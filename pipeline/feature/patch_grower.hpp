@@ -3,6 +3,7 @@
 #pragma once
 
 #include "pipeline/feature/cuts.hpp"
+#include "pipeline/feature/holes.hpp"
 #include "pipeline/feature/jumps.hpp"
 #include "pipeline/feature/patch_closer.hpp"
 #include "pipeline/feature/patch_graph.hpp"
@@ -24,6 +25,9 @@ public:
   void advance(double complete, Cuts& cuts, const Sampling& sampling, FeatureReport& report);
   /// All lines are assigned: closes every patch.
   void finish(const Sampling& sampling, FeatureReport& report);
+
+  /// What was found since they were taken last.
+  [[nodiscard]] std::vector<FoundHole>& holes() noexcept { return found_holes_; }
 
   /// After finish(): the scan goes on somewhere else.
   void restart();
@@ -60,6 +64,7 @@ private:
   void measure(const PatchRow& row, const Sampling& sampling);
   void measure_across(const PatchRow& row);
   void measure_ends(const PatchRow& row);
+  void find_holes(const PatchRow& row, const Sampling& sampling);
   void end_rows();
   void queue_runs(const PatchRow& row);
   void close(bool is_complete, const Sampling& sampling, FeatureReport& report);
@@ -68,6 +73,9 @@ private:
   PatchCloser closer_;
   Edge edge_;
   Jumps jumps_;
+  HoleFinder holes_;
+  std::vector<FoundHole> found_holes_;
+  std::vector<PatchSpan> spans_above_, spans_now_;
   std::vector<PatchRow> rows_; ///< that wait
   std::vector<PatchRow> spare_;
   std::vector<Stretch> above_, now_, held_;

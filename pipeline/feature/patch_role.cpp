@@ -123,7 +123,7 @@ PatchLook look_at(const PatchGraph& graph, std::uint32_t id, const Sampling& sam
   const auto [length, width] = node.sums.box();
   look.length = length;
   look.width = width;
-  const double area = node.sums.count() * sampling.pitch * sampling.spacing;
+  const double area = node.sums.count() * sampling.pitch * sampling.spacing + node.holes;
   if (area < kFull * length * width) {
     const double half = 0.5 * kManhattan * look.outline.all();
     look.length = std::max(half, length);

@@ -47,6 +47,36 @@ FeatureType common_type(const Curve& curve) {
 
 } // namespace
 
+Vector3 Publisher::position(const Frame& frame, double s, double w, double c) const {
+  Vector3 p = frame.position(s, w, c);
+  for (std::size_t i = 0; i < 3; ++i) p[i] += origin_[i];
+  return p;
+}
+
+FeatureLine Publisher::publish(const HoleOutline& hole, std::uint64_t id, const Frame& frame, const Sampling& sampling) {
+  FeatureLine line;
+  line.id = id;
+  line.type = FeatureType::step_top;
+  line.closed_loop = true;
+  line.begins = line.ends = FeatureEnd::cap;
+  rows_.clear();
+  for (const RimPoint& p : hole.points) {
+    FeatureVertex& v = line.vertices.emplace_back();
+    v.position = position(frame, p.s, p.w, p.c);
+    v.line = p.line;
+    v.index = p.sample;
+    rows_.push_back(p.line);
+  }
+  line.elements[static_cast<std::size_t>(ShapeElement::step_top)] = static_cast<std::uint32_t>(hole.points.size());
+  std::sort(rows_.begin(), rows_.end());
+  line.scan_lines = static_cast<std::uint64_t>(std::unique(rows_.begin(), rows_.end()) - rows_.begin());
+  line.per_mm = thinner_.thin(line.vertices, kTolerance * sampling.coarse());
+  line.length_mm = length_of(line.vertices);
+  line.persistence = line.length_mm / (5.0 * sampling.coarse());
+  line.across_mm = 0.5 * sampling.spacing;
+  return line;
+}
+
 FeatureLine Publisher::publish(const Curve& curve, const Frame& frame, const Sampling& sampling, const AlphaSet& alpha) {
   FeatureLine line;
   line.id = curve.id;
@@ -71,8 +101,7 @@ FeatureLine Publisher::publish(const Curve& curve, const Frame& frame, const Sam
   for (std::size_t k = 0; k < curve.points.size(); ++k) {
     const CurvePoint& p = curve.points[k];
     FeatureVertex v;
-    v.position = frame.position(p.s, p.w, p.c);
-    for (std::size_t i = 0; i < 3; ++i) v.position[i] += origin_[i];
+    v.position = position(frame, p.s, p.w, p.c);
     v.line = p.feature.line;
     v.index = p.feature.sample;
     line.vertices.push_back(v);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "pipeline/feature/curve.hpp"
+#include "pipeline/feature/hole_outline.hpp"
 #include "pipeline/feature/sampling.hpp"
 #include "pipeline/feature/thinning.hpp"
 #include "pipeline/model/alpha_set.hpp"
@@ -17,6 +18,10 @@ public:
   /// `origin` in mm.
   explicit Publisher(const Vector3& origin) : origin_(origin) {}
   [[nodiscard]] FeatureLine publish(const Curve& curve, const Frame& frame, const Sampling& sampling, const AlphaSet& alpha);
+  /// The rim of a hole. Nothing was measured below it, so that its angles are unknown: 0.
+  [[nodiscard]] FeatureLine publish(const HoleOutline& hole, std::uint64_t id, const Frame& frame, const Sampling& sampling);
+  /// In the recording's frame.
+  [[nodiscard]] Vector3 position(const Frame& frame, double s, double w, double c) const;
 
 private:
   Vector3 origin_;

@@ -38,7 +38,7 @@ class Survey {
 public:
   explicit Survey(const Findings& findings) {
     for (const Form& form : findings.forms) {
-      if (form.patches.empty()) continue;
+      if (form.patches.empty() || form.hole) continue;
       const bool touches = form.kind == FormKind::step && form.patches.size() == 2;
       if (touches)
         borders_.try_emplace(pair_of(form));
@@ -56,9 +56,15 @@ public:
     for (int row = 0; row < map.height; ++row) look_at_row(raster, row);
   }
 
-  [[nodiscard]] std::optional<Name> name_of(const Form& form) const {
+  [[nodiscard]] std::optional<Name> name_of(const Form& form, const TopMap& map) const {
     Name out;
     out.text = name(form.kind);
+    if (form.hole) {
+      const std::array<double, 3>& middle = form.hole->middle;
+      out.middle = map.pixel(middle[0], middle[1]);
+      out.room = map.pixel(middle[0] + form.hole->diameter_mm(), middle[1])[0] - out.middle[0];
+      return out;
+    }
     if (const auto border = borders_.find(pair_of(form)); border != borders_.end() && form.kind == FormKind::step) {
       if (border->second.empty()) return std::nullopt;
       out.middle = middle_of(border->second);
@@ -131,7 +137,7 @@ void add_form_names(Drawing& drawing, const HeightRaster& raster, const Findings
   std::vector<Name> names;
   for (const Form& form : findings.forms) {
     if (form.patches.empty()) continue;
-    if (auto found = survey.name_of(form)) names.push_back(*std::move(found));
+    if (auto found = survey.name_of(form, raster.map())) names.push_back(*std::move(found));
   }
   std::stable_sort(names.begin(), names.end(), [](const Name& a, const Name& b) { return a.room > b.room; });
   const double text = drawing.text_size;

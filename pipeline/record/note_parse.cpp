@@ -150,6 +150,18 @@ Patch patch(const Json& j) {
   return p;
 }
 
+Form form(const Json& j) {
+  Form f{kind<FormKind>(j.at("kind"), kFormKinds), wholes<std::uint32_t>(j.at("patches")), real(j.at("confidence")), {}};
+  if (f.kind != FormKind::hole) return f;
+  HoleSize& hole = f.hole.emplace();
+  hole.middle = triple(j.at("middle"));
+  hole.along_mm = real(j.at("along"));
+  hole.across_mm = real(j.at("across"));
+  hole.area_mm2 = real(j.at("area"));
+  hole.rim = whole<std::uint64_t>(j.at("rim"));
+  return f;
+}
+
 /// Rows in full, or by how much the lengths of runs differ from those of the row before.
 class RunReader {
 public:
@@ -240,8 +252,7 @@ Result<void> parse_patches_message(std::string_view text, FeatureReport& report)
     }
     if (const auto forms = json.find("forms"); forms != json.end()) {
       for (const Json& entry : *forms) {
-        report.forms.push_back({kind<FormKind>(entry.at("kind"), kFormKinds), wholes<std::uint32_t>(entry.at("patches")),
-                                real(entry.at("confidence"))});
+        report.forms.push_back(form(entry));
       }
     }
   });

@@ -164,6 +164,30 @@ private:
 
 } // namespace
 
+void append_form(std::string& out, const Form& form, double mm_per_unit) {
+  out += '{';
+  put_word(out, "kind", name(form.kind));
+  put_key(out, "patches");
+  put_list(out, form.patches, [&](std::uint32_t id) { put(out, id); });
+  put_key(out, "confidence");
+  put_value(out, form.confidence);
+  if (form.hole) {
+    put_key(out, "middle");
+    put_list(out, form.hole->middle, [&](double v) { put(out, v / mm_per_unit, kTenthUm * mm_per_unit); });
+    const auto size = [&](std::string_view key, double value) {
+      put_key(out, key);
+      put_value(out, value);
+    };
+    size("along", form.hole->along_mm);
+    size("across", form.hole->across_mm);
+    size("area", form.hole->area_mm2);
+    size("diameter", form.hole->diameter_mm());
+    put_key(out, "rim");
+    put(out, form.hole->rim);
+  }
+  out += '}';
+}
+
 std::vector<std::string> features_messages(const FeatureReport& report) {
   Messages messages(report.group);
   for (const FeatureLine& line : report.lines) append_line_entry(messages.entry("lines"), line);
@@ -179,14 +203,7 @@ std::vector<std::string> patches_messages(const FeatureReport& report) {
   }
   for (const Patch& patch : report.patches) put_patch(messages.entry("patches"), patch);
   for (const Form& form : report.forms) {
-    std::string& out = messages.entry("forms");
-    out += '{';
-    put_word(out, "kind", name(form.kind));
-    put_key(out, "patches");
-    put_list(out, form.patches, [&](std::uint32_t id) { put(out, id); });
-    put_key(out, "confidence");
-    put_value(out, form.confidence);
-    out += '}';
+    append_form(messages.entry("forms"), form);
   }
   return messages.take();
 }

@@ -55,7 +55,7 @@ struct LineSource::Impl {
       if (!scanner->next(scene_line)) return false;
       bool starts = true;
       for (const ScenePoint& point : scene_line.points) {
-        if (point.state == SampleState::missing) {
+        if (!point.is_there()) {
           starts = true;
           continue;
         }

@@ -19,6 +19,7 @@ constexpr std::array kCatalog{
     CatalogEntry{"cavity", make_cavity},     CatalogEntry{"posts", make_posts},       CatalogEntry{"rails", make_rails},
     CatalogEntry{"grooves", make_grooves},   CatalogEntry{"edges", make_edges},       CatalogEntry{"dome", make_dome},
     CatalogEntry{"bracket", make_bracket},   CatalogEntry{"star", make_star},         CatalogEntry{"smooth", make_smooth},
+    CatalogEntry{"holes", make_holes},
 };
 
 } // namespace

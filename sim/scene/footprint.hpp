@@ -55,6 +55,11 @@ public:
   /// Of its sides, the longer to the shorter; huge where it has no end.
   [[nodiscard]] double aspect() const noexcept;
 
+  /// Of a box.
+  [[nodiscard]] PlanVector middle() const noexcept { return {x_, y_}; }
+  [[nodiscard]] double area() const noexcept;
+  [[nodiscard]] double perimeter() const noexcept;
+
   /// The least distance of any place, 0 or below; huge and negative for a half plane.
   [[nodiscard]] double inmost() const noexcept;
 

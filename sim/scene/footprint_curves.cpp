@@ -25,6 +25,16 @@ double Footprint::aspect() const noexcept {
   return longer / (std::min(a_, b_) + radius_);
 }
 
+double Footprint::area() const noexcept {
+  constexpr double kPi = 3.14159265358979323846;
+  return 4.0 * (a_ * b_ + (a_ + b_) * radius_) + kPi * radius_ * radius_;
+}
+
+double Footprint::perimeter() const noexcept {
+  constexpr double kTwoPi = 6.28318530717958647692;
+  return 4.0 * (a_ + b_) + kTwoPi * radius_;
+}
+
 double Footprint::inmost() const noexcept {
   return kind_ == Kind::half_plane ? -kEndless : -radius_ - std::min(a_, b_); // a strip has no core: a = b = 0
 }

@@ -58,15 +58,20 @@ bool SceneScanner::next(SceneLine& line) {
   mark_dropouts(line.index, line.points);
   measure(line);
   if (plan_.zigzag && line.index % 2 == 1) std::reverse(line.points.begin(), line.points.end());
+  count(line);
+  return true;
+}
+
+void SceneScanner::count(const SceneLine& line) noexcept {
   std::uint64_t kept = 0;
   for (const ScenePoint& point : line.points) {
-    kept += point.state != SampleState::missing ? 1U : 0U;
+    kept += point.is_there() ? 1U : 0U;
     counts_.outliers += point.state == SampleState::outlier ? 1U : 0U;
+    counts_.dropouts += point.state == SampleState::missing ? 1U : 0U;
+    counts_.in_holes += point.state == SampleState::hole ? 1U : 0U;
   }
   counts_.lines += kept > 0 ? 1U : 0U;
   counts_.points += kept;
-  counts_.dropouts += samples - kept;
-  return true;
 }
 
 // Hands out all samples by weight; the remainder goes on to the next line, so the last line ends at the exact total.
@@ -130,7 +135,7 @@ void SceneScanner::measure(SceneLine& line) const {
     ScenePoint& point = line.points[k];
     if (point.state == SampleState::missing) continue;
     point = place(s, t, disturbance);
-    if (spike) point.state = SampleState::outlier;
+    if (spike && point.is_there()) point.state = SampleState::outlier;
   }
 }
 
@@ -150,9 +155,14 @@ ScenePoint SceneScanner::place(double s, double t, double disturbance) const noe
   double y = geometry_.centre_y + s * turn.sin + t * turn.cos;
   ScenePoint point;
   if (geometry_.tilt.sin == 0.0) {
+    if (scene_.hole_at(x / 1000.0, y / 1000.0)) point.state = SampleState::hole;
     point.z = count_of(scene_.height(x / 1000.0, y / 1000.0) * 1000.0 + disturbance);
   } else {
-    const double h = trace(x / 1000.0, y / 1000.0) * 1000.0 + disturbance;
+    const double seen = trace(x / 1000.0, y / 1000.0) * 1000.0;
+    if (scene_.hole_at((x - seen * geometry_.tilt.sin * turn.sin) / 1000.0,
+                       (y + seen * geometry_.tilt.sin * turn.cos) / 1000.0))
+      point.state = SampleState::hole;
+    const double h = seen + disturbance;
     x -= h * geometry_.tilt.sin * turn.sin;
     y += h * geometry_.tilt.sin * turn.cos;
     point.z = count_of(h * geometry_.tilt.cos);

@@ -15,13 +15,15 @@ namespace scansion {
 enum class SampleState : std::uint8_t {
   measured,
   outlier, ///< its height carries a spike
-  missing  ///< a dropout; its coordinates are 0
+  missing, ///< a dropout; its coordinates are 0
+  hole     ///< nothing is there to be measured; x and y are known
 };
 
 struct ScenePoint {
   std::int32_t x = 0, y = 0, z = 0; ///< um
   SampleState state = SampleState::measured;
 
+  [[nodiscard]] bool is_there() const noexcept { return state == SampleState::measured || state == SampleState::outlier; }
   friend bool operator==(const ScenePoint&, const ScenePoint&) = default;
 };
 
@@ -35,6 +37,7 @@ struct ScanCounts {
   std::uint64_t lines = 0;  ///< with at least one point
   std::uint64_t points = 0; ///< measured and outliers
   std::uint64_t outliers = 0, dropouts = 0, missing_lines = 0;
+  std::uint64_t in_holes = 0; ///< samples with nothing to measure
 };
 
 /// The same scene, plan and seed give the same lines on every machine. Memory follows one line. Thread-bound.
@@ -57,6 +60,7 @@ private:
   [[nodiscard]] std::uint32_t samples_of_line(std::uint32_t index) noexcept;
   void mark_dropouts(std::uint32_t index, std::vector<ScenePoint>& points) const;
   void measure(SceneLine& line) const;
+  void count(const SceneLine& line) noexcept;
   [[nodiscard]] double texture(std::uint32_t sample, Random& coin) const noexcept;
   [[nodiscard]] ScenePoint place(double s, double t, double disturbance) const noexcept;
   [[nodiscard]] double trace(double x, double y) const noexcept;

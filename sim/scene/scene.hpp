@@ -35,6 +35,12 @@ private:
   Box box_;
 };
 
+/// A hole through the part: nothing inside its outline is there to be measured, nor is its wall.
+struct Hole {
+  Footprint outline;  ///< a box
+  double depth = 5.0; ///< mm, of its wall
+};
+
 /// What a sample's number in its line adds to its height: adversarial lines that no surface would give.
 enum class Texture : std::uint8_t {
   none,
@@ -61,10 +67,18 @@ struct Scene {
 
   BaseSurface base;
   std::vector<Feature> features;
+  std::vector<Hole> holes;
   double relief_low = 0.0, relief_high = 0.0; ///< bounds of the height above the base's incline, mm
   Texture texture = Texture::none;
   double texture_um = 0.0;
   LineSpan (*span)(double t) noexcept = nullptr; ///< empty: every line spans the window
+
+  /// The hole at a place in plan, if there is one.
+  [[nodiscard]] const Hole* hole_at(double x, double y) const noexcept {
+    for (const Hole& hole : holes)
+      if (hole.outline.distance(x, y) < 0.0) return &hole;
+    return nullptr;
+  }
 
   /// Height above the base's incline at a place in plan, mm; finite everywhere.
   [[nodiscard]] double relief(double x, double y) const noexcept {

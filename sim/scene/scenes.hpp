@@ -32,6 +32,7 @@ namespace scansion {
 [[nodiscard]] Scene make_dome();
 [[nodiscard]] Scene make_bracket();
 [[nodiscard]] Scene make_star();
+[[nodiscard]] Scene make_holes();
 [[nodiscard]] Scene make_smooth();
 
 // Lines that are hard on ranking (scenes_adversarial.cpp).

@@ -149,6 +149,26 @@ Scene make_star() {
   return scene;
 }
 
+Scene make_holes() {
+  Scene scene = small("holes", "through holes: round, square and long ones, one in a pocket, one in a boss, one in a slope",
+                      44.0, 36.0, -4.0, 4.0);
+  scene.base.slope_x = 0.02;
+  scene.base.add(Bump{37.0, 9.0, 14.0, 14.0, 0.0, 2.0});
+  auto& features = scene.features;
+  features.emplace_back(Footprint::round_box(11.0, 26.0, 14.0, 12.0, 2.0), Profile::wall(-2.0, 0.3));
+  features.emplace_back(Footprint::disc(31.0, 26.0, 6.0), Profile::wall(2.5, 0.3));
+  auto& holes = scene.holes;
+  holes.push_back({Footprint::disc(11.0, 26.0, 2.5)});
+  holes.push_back({Footprint::disc(31.0, 26.0, 3.0)});
+  holes.push_back({Footprint::disc(6.0, 12.0, 1.5)});
+  holes.push_back({Footprint::round_box(14.0, 12.0, 5.0, 5.0, 0.0)});
+  holes.push_back({Footprint::round_box(22.0, 12.5, 4.0, 4.0, 0.0, 40.0)});
+  holes.push_back({Footprint::round_box(12.0, 4.0, 14.0, 3.0, 1.5, 6.0)});
+  holes.push_back({Footprint::round_box(28.0, 8.0, 10.0, 2.6, 1.3, 65.0)});
+  holes.push_back({Footprint::disc(37.0, 9.0, 2.0)});
+  return scene;
+}
+
 Scene make_smooth() {
   Scene scene = small("smooth", "smooth part without a feature, 1,200 mm^2", 40.0, 30.0, -2.0, 5.0);
   scene.base.slope_x = 0.03;

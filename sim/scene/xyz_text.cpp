@@ -33,7 +33,7 @@ void append_xyz(std::string& text, const SceneLine& line, bool& first) {
   bool begun = false;
   std::array<char, 48> row{};
   for (const ScenePoint& point : line.points) {
-    if (point.state == SampleState::missing) continue;
+    if (!point.is_there()) continue;
     if (!begun && !first) text.push_back('\n');
     begun = true;
     char* end = put_millimetres(row.data(), point.x);

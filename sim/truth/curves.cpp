@@ -167,20 +167,18 @@ public:
       for (const ProfileBend& bend : feature.profile().bends()) add_bend(k, bend);
       add_crests(k);
     }
+    for (std::size_t k = 0; k < scene_.holes.size(); ++k) add_rim(k);
     return std::move(curves_);
   }
 
 private:
-  template <class Turning>
-  void add(std::size_t feature, const TrueCurve& like, const std::vector<OutlineCurve>& outlines, double z_of_bend,
-           bool at_bend, Turning turning_at) {
+  template <class Height, class Turning>
+  void add(const TrueCurve& like, const std::vector<OutlineCurve>& outlines, Height height_at, Turning turning_at) {
     for (const OutlineCurve& outline : outlines) {
       Pieces pieces(like);
       for (std::size_t k = 0; k < outline.points.size(); ++k) {
         const OutlinePoint& at = outline.points[k];
-        const Feature& self = scene_.features[feature];
-        const double own = at_bend ? z_of_bend : self.profile().height(at.distance);
-        const std::array<double, 3> point{at.x, at.y, scene_.height(at.x, at.y) - self.height(at.x, at.y) + own};
+        const std::array<double, 3> point{at.x, at.y, height_at(at)};
         const bool seen = turning_at(at) >= kLeastTurning && looker_.sees(on_surface(point, like.radius_mm));
         if (k == 0) pieces.first_point_seen(seen);
         if (seen)
@@ -190,6 +188,11 @@ private:
       }
       pieces.finish(outline.closed, curves_);
     }
+  }
+
+  /// Of everything but a feature.
+  [[nodiscard]] double height_of_others(std::size_t without, const OutlinePoint& at) const noexcept {
+    return scene_.height(at.x, at.y) - scene_.features[without].height(at.x, at.y);
   }
 
   /// The edge of a fillet lies inside the material: what a scan sees is the rounding above it.
@@ -207,7 +210,9 @@ private:
     like.feature = static_cast<std::uint32_t>(k);
     like.radius_mm = bend.radius;
     like.wall_mm = bend.wall;
-    add(k, like, scene_.features[k].footprint().level_curves(bend.d, kStep, looker_.window()), bend.z, true,
+    add(
+        like, scene_.features[k].footprint().level_curves(bend.d, kStep, looker_.window()),
+        [&](const OutlinePoint& at) { return height_of_others(k, at) + bend.z; },
         [&](const OutlinePoint& at) {
           return turning(slope_of_others(scene_, k, at.x, at.y), bend.slope_inside, at.out, bend.slope_outside, at.out);
         });
@@ -225,11 +230,26 @@ private:
       TrueCurve like;
       like.type = steepest > 0.0 ? FeatureType::concave : FeatureType::convex;
       like.feature = static_cast<std::uint32_t>(k);
-      add(k, like, {std::move(crest)}, 0.0, false, [&](const OutlinePoint& at) {
-        const double m = slope(at);
-        return turning(slope_of_others(scene_, k, at.x, at.y), m, at.out, m, at.other);
-      });
+      add(
+          like, {std::move(crest)},
+          [&](const OutlinePoint& at) { return height_of_others(k, at) + profile.height(at.distance); },
+          [&](const OutlinePoint& at) {
+            const double m = slope(at);
+            return turning(slope_of_others(scene_, k, at.x, at.y), m, at.out, m, at.other);
+          });
     }
+  }
+
+  void add_rim(std::size_t k) {
+    const Hole& hole = scene_.holes[k];
+    TrueCurve like;
+    like.type = FeatureType::step_top;
+    like.feature = static_cast<std::uint32_t>(scene_.features.size() + k);
+    like.wall_mm = hole.depth;
+    constexpr double kRight = 90.0;
+    add(
+        like, hole.outline.level_curves(0.0, kStep, looker_.window()),
+        [&](const OutlinePoint& at) { return scene_.height(at.x, at.y); }, [](const OutlinePoint&) { return kRight; });
   }
 
   const Scene& scene_;

@@ -8,8 +8,23 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 namespace scansion {
+
+namespace {
+
+double plan_length(const TrueCurve& curve) noexcept {
+  const std::size_t n = curve.points.size();
+  double length = 0.0;
+  for (std::size_t k = curve.closed ? 0 : 1; k < n; ++k) {
+    const auto &a = curve.points[(k + n - 1) % n], &b = curve.points[k];
+    length += std::hypot(b[0] - a[0], b[1] - a[1]);
+  }
+  return length;
+}
+
+} // namespace
 
 Result<ScanTruth> ScanTruth::create(Scene scene, const ScanPlan& plan) {
   ScanPlan clean = plan; // keeps the jitter: a sample's place is its true one
@@ -21,7 +36,8 @@ Result<ScanTruth> ScanTruth::create(Scene scene, const ScanPlan& plan) {
 }
 
 ScanTruth::ScanTruth(const ScanPlan& plan, std::unique_ptr<SceneScanner> scanner)
-    : plan_(plan), clean_(std::move(scanner)), cells_(clean_->scene()), steps_(clean_->scene().features.size()) {}
+    : plan_(plan), clean_(std::move(scanner)), cells_(clean_->scene()), steps_(clean_->scene().features.size()),
+      rims_(clean_->scene().holes.size()) {}
 
 std::uint32_t ScanTruth::root(std::uint32_t node) noexcept {
   while (parent_[node] != node) {
@@ -51,8 +67,10 @@ void ScanTruth::split_line(const SceneLine& clean) {
   }
   for (std::uint32_t k = 0; k < clean.points.size(); ++k) {
     const ScenePoint& point = clean.points[k];
+    if (!point.is_there()) continue;
     const std::uint32_t cell = cells_.at(point.x / 1000.0, point.y / 1000.0, point.z / 1000.0);
-    if (!now_.empty() && now_.back().cell == cell) {
+    const bool beside = !now_.empty() && now_.back().first + now_.back().count == k;
+    if (beside && now_.back().cell == cell) {
       ++now_.back().count;
       continue;
     }
@@ -60,8 +78,16 @@ void ScanTruth::split_line(const SceneLine& clean) {
     parent_.push_back(node);
     node_cell_.push_back(cell);
     now_.push_back({k, 1, cell, node});
-    if (now_.size() > 1) touch(now_[now_.size() - 2], now_.back());
+    if (beside) touch(now_[now_.size() - 2], now_.back());
+    if (k > 0 && clean.points[k - 1].state == SampleState::hole) note_rim(clean.points[k - 1], node);
   }
+}
+
+/// `node` begins behind a point of a hole.
+void ScanTruth::note_rim(const ScenePoint& inside, std::uint32_t node) {
+  const Scene& scene = clean_->scene();
+  const Hole* const hole = scene.hole_at(inside.x / 1000.0, inside.y / 1000.0);
+  if (hole != nullptr) rims_[static_cast<std::size_t>(hole - scene.holes.data())].push_back(node);
 }
 
 /// Stretches of one cell that lie beside each other are one patch.
@@ -101,7 +127,7 @@ void ScanTruth::write_runs(const SceneLine& line) {
   const bool backwards = plan_.zigzag && line.index % 2 == 1;
   std::size_t at = backwards && !now_.empty() ? now_.size() - 1 : 0;
   for (std::uint32_t k = 0; k < size; ++k) {
-    if (line.points[k].state == SampleState::missing) continue;
+    if (!line.points[k].is_there()) continue;
     const std::uint32_t sample = backwards ? size - 1 - k : k;
     while (sample >= now_[at].first + now_[at].count) ++at;
     while (sample < now_[at].first) --at;
@@ -130,7 +156,7 @@ void ScanTruth::number_patches(Truth& truth) {
   truth.lines = std::move(runs_);
 
   for (std::size_t k = 0; k < steps_.size(); ++k) {
-    TrueForm form{cells_.form(k), static_cast<std::uint32_t>(k), {}};
+    TrueForm form{cells_.form(k), static_cast<std::uint32_t>(k), {}, {}};
     if (form.kind == FormKind::face) continue;
     if (form.kind == FormKind::step) {
       for (const std::uint32_t node : steps_[k]) form.patches.push_back(number[root(node)]);
@@ -144,6 +170,26 @@ void ScanTruth::number_patches(Truth& truth) {
     std::erase(form.patches, kNone);
     if (!form.patches.empty()) truth.forms.push_back(std::move(form));
   }
+  for (std::size_t k = 0; k < rims_.size(); ++k) add_hole(k, number, truth);
+}
+
+/// Holes that the scan window cuts are none.
+void ScanTruth::add_hole(std::size_t k, const std::vector<std::uint32_t>& number, Truth& truth) {
+  const Scene& scene = clean_->scene();
+  const auto feature = static_cast<std::uint32_t>(scene.features.size() + k);
+  constexpr double kWhole = 0.98;
+  const Footprint& outline = scene.holes[k].outline;
+  double seen = 0.0; // mm of its outline, in plan
+  for (const TrueCurve& curve : truth.curves)
+    if (curve.feature == feature) seen += plan_length(curve);
+  if (seen < kWhole * outline.perimeter() || rims_[k].empty()) return;
+  std::map<std::uint32_t, std::size_t> votes;
+  for (const std::uint32_t node : rims_[k]) ++votes[number[root(node)]];
+  const auto most = std::ranges::max_element(votes, {}, [](const auto& entry) { return entry.second; });
+  const PlanVector middle = outline.middle();
+  TrueForm form{FormKind::hole, feature, {most->first}, {}};
+  form.hole = TrueHole{{middle.x, middle.y, scene.height(middle.x, middle.y)}, outline.area()};
+  truth.forms.push_back(std::move(form));
 }
 
 Truth ScanTruth::finish() {

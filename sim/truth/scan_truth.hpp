@@ -37,7 +37,9 @@ private:
   void join_lines();
   void touch(const Stretch& a, const Stretch& b);
   void write_runs(const SceneLine& line);
+  void note_rim(const ScenePoint& inside, std::uint32_t node);
   void number_patches(Truth& truth);
+  void add_hole(std::size_t k, const std::vector<std::uint32_t>& number, Truth& truth);
 
   ScanPlan plan_;
   std::unique_ptr<SceneScanner> clean_; // its address stays: cells_ refers to its scene
@@ -47,6 +49,7 @@ private:
   double first_now_ = 0.0, first_before_ = 0.0;   // um along the line, where samples begin
   std::vector<std::uint32_t> parent_, node_cell_; // of the stretches of all lines
   std::vector<std::vector<std::uint32_t>> steps_; // nodes beside the edge of each step
+  std::vector<std::vector<std::uint32_t>> rims_;  // nodes beside each hole
   std::vector<std::vector<TrueRun>> runs_;        // TrueRun::patch is a node until the end
 };
 

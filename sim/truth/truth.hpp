@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,10 +29,19 @@ struct TruePatch {
   friend bool operator==(const TruePatch&, const TruePatch&) = default;
 };
 
+/// Place and size of a hole; its outline is the curve of the same feature.
+struct TrueHole {
+  std::array<double, 3> middle{}; ///< mm; on the surface around it
+  double area_mm2 = 0.0;          ///< in plan
+
+  friend bool operator==(const TrueHole&, const TrueHole&) = default;
+};
+
 struct TrueForm {
   FormKind kind = FormKind::face;
   std::uint32_t feature = 0;
-  std::vector<std::uint32_t> patches;
+  std::vector<std::uint32_t> patches; ///< of a hole: the one it lies in
+  std::optional<TrueHole> hole{};
 
   friend bool operator==(const TrueForm&, const TrueForm&) = default;
 };

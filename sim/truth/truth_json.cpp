@@ -16,13 +16,17 @@ double micrometres(double mm) noexcept {
   return std::round(mm * 1000.0) / 1000.0;
 }
 
+void append_point(std::string& out, const std::array<double, 3>& point) {
+  for (std::size_t axis = 0; axis < 3; ++axis) out += (axis == 0 ? "[" : ",") + shortest(micrometres(point[axis]) + 0.0);
+  out += "]";
+}
+
 /// Rows of their own keep the file readable; nlohmann would put each number on a row.
 void append_points(std::string& out, const std::vector<std::array<double, 3>>& points) {
   out += "[";
   for (std::size_t k = 0; k < points.size(); ++k) {
-    out += k == 0 ? "[" : ",[";
-    for (std::size_t axis = 0; axis < 3; ++axis) out += (axis == 0 ? "" : ",") + shortest(micrometres(points[k][axis]) + 0.0);
-    out += "]";
+    if (k > 0) out += ",";
+    append_point(out, points[k]);
   }
   out += "]";
 }
@@ -66,7 +70,13 @@ std::string truth_json(const Truth& truth) {
   for (std::size_t k = 0; k < truth.forms.size(); ++k) {
     const TrueForm& form = truth.forms[k];
     out += (k == 0 ? "\n{\"kind\":\"" : ",\n{\"kind\":\"") + std::string(name(form.kind)) +
-           "\",\"feature\":" + std::to_string(form.feature) + ",\"patches\":" + Json(form.patches).dump() + "}";
+           "\",\"feature\":" + std::to_string(form.feature) + ",\"patches\":" + Json(form.patches).dump();
+    if (form.hole) {
+      out += ",\"middle\":";
+      append_point(out, form.hole->middle);
+      out += ",\"area_mm2\":" + shortest(micrometres(form.hole->area_mm2));
+    }
+    out += "}";
   }
   out += "],\n\"lines\":[";
   for (std::size_t k = 0; k < truth.lines.size(); ++k) {
@@ -115,8 +125,12 @@ Result<Truth> parse_truth(std::string_view text) {
     for (const Json& entry : json.at("forms")) {
       const auto kind = kind_of<FormKind>(entry.at("kind").get<std::string>(), kFormKinds);
       if (!kind) return fail(Errc::undecodable, "unknown kind of form ", entry.at("kind").get<std::string>());
-      truth.forms.push_back(
-          {*kind, entry.at("feature").get<std::uint32_t>(), entry.at("patches").get<std::vector<std::uint32_t>>()});
+      TrueForm& form = truth.forms.emplace_back();
+      form.kind = *kind;
+      entry.at("feature").get_to(form.feature);
+      entry.at("patches").get_to(form.patches);
+      if (*kind != FormKind::hole) continue;
+      form.hole = TrueHole{entry.at("middle").get<std::array<double, 3>>(), entry.at("area_mm2").get<double>()};
     }
     for (const Json& entry : json.at("lines")) {
       const auto numbers = entry.get<std::vector<std::uint32_t>>();

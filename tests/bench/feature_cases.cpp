@@ -18,7 +18,7 @@ namespace {
 bool fill(LineBuffer& buffer, const SceneLine& line) {
   buffer.clear();
   for (const ScenePoint& point : line.points) {
-    if (point.state == SampleState::missing) continue;
+    if (!point.is_there()) continue;
     buffer.xyz[0].push_back(point.x);
     buffer.xyz[1].push_back(point.y);
     buffer.xyz[2].push_back(point.z);

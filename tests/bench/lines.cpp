@@ -15,7 +15,7 @@ namespace {
 void add_line(LineSet& set, const SceneLine& line) {
   LineBuffer buffer;
   for (const ScenePoint& point : line.points) {
-    if (point.state == SampleState::missing) continue;
+    if (!point.is_there()) continue;
     buffer.xyz[0].push_back(point.x);
     buffer.xyz[1].push_back(point.y);
     buffer.xyz[2].push_back(point.z);

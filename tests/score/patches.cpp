@@ -3,6 +3,7 @@
 #include "tests/score/score.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 #include <unordered_map>
@@ -67,10 +68,24 @@ bool is_own(const Truth& truth, const TrueForm& form, std::uint32_t patch) {
   return holds(form.patches, patch) && (form.kind == FormKind::step || truth.patches[patch].kind == form.kind);
 }
 
+double diameter(double area) noexcept {
+  return 2.0 * std::sqrt(area / 3.141592653589793);
+}
+
+/// In its place and of its size, to the tolerance of curves.
+bool is_hole(const Truth& truth, const TrueForm& form, const Form& said) {
+  if (!form.hole || !said.hole) return false;
+  const auto &at = form.hole->middle, &found = said.hole->middle;
+  const double tolerance = 1.5 * std::max(truth.pitch_mm, truth.spacing_mm);
+  return std::hypot(found[0] - at[0], found[1] - at[1], found[2] - at[2]) <= tolerance &&
+         std::abs(said.hole->diameter_mm() - diameter(form.hole->area_mm2)) <= tolerance;
+}
+
 /// Is it such a form, there? Of a step both levels must be; of any other form a patch that lies mostly on a true patch of its
 /// own kind.
 bool is_right(const Truth& truth, const TrueForm& form, const Form& said, const Cover& cover) {
   if (said.kind != form.kind) return false;
+  if (form.kind == FormKind::hole) return is_hole(truth, form, said);
   std::set<std::uint32_t> places;
   for (const std::uint32_t patch : said.patches) {
     const std::uint32_t place = cover.true_at(patch);
@@ -82,7 +97,7 @@ bool is_right(const Truth& truth, const TrueForm& form, const Form& said, const 
 /// Does it name the form? It is right, and but for a step it holds the patch that covers most of the form's largest own patch.
 bool names(const Truth& truth, const TrueForm& form, const Form& said, const Cover& cover) {
   if (!is_right(truth, form, said, cover)) return false;
-  if (form.kind == FormKind::step) return true;
+  if (form.kind == FormKind::step || form.kind == FormKind::hole) return true;
   std::uint32_t main = form.patches.front();
   for (const std::uint32_t patch : form.patches) {
     const bool own = is_own(truth, form, patch), main_own = is_own(truth, form, main);

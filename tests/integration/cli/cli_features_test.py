@@ -119,6 +119,30 @@ def patches_of_points(kit):
     check(0 < len(few) < place.points, f"{len(few)} points of level 0")
 
 
+def holes_are_named(kit):
+    place = Place(kit)
+    scan = kit.scene(place.path("holes.xyz"), "holes", "--pitch", 0.2, "--spacing", 0.2, "--dropouts", 0.01, "--truth")
+    recording = kit.compress(scan, place.path("holes.mcap"))
+    with open(place.path("holes.truth.json")) as file:
+        true = [form for form in json.load(file)["forms"] if form["kind"] == "hole"]
+    same(len(true), 8, "holes of the scene")
+    same(kit.scansion("info", recording, "--json").json()["forms"]["hole"], 8, "holes of info")
+    lines = {int(head["id"]): head for head, _ in place.lines(recording=recording)}
+    for unit, per_mm in (("mm", 1.0), ("m", 1e-3)):
+        patches = json.loads(place.export("patches", "json", "--unit", unit, recording=recording))
+        found = [form for form in patches["forms"] if form["kind"] == "hole"]
+        for form in true:
+            far = [max(abs(a - b / per_mm) for a, b in zip(form["middle"], hole["middle"])) for hole in found]
+            hole = found[far.index(min(far))]
+            check(min(far) < 0.15, f"a hole at {form['middle']} is {min(far)} mm away")
+            check(abs(hole["area"] / form["area_mm2"] - 1) < 0.06, f"area {hole['area']} of {form['area_mm2']}")
+            check(abs(hole["diameter"] ** 2 * 0.785398 / hole["area"] - 1) < 1e-3, "diameter")
+            same(lines[hole["rim"]]["type"], "step-top", "type of a rim")
+            check(any(patch["id"] == hole["patches"][0] for patch in patches["patches"]), "patch of a hole")
+    svg = kit.scansion("view", recording, "-o", "-", "--format", "svg", "--shade", "patch").out
+    check(svg.count(b">hole<") == 8, f"{svg.count(b'>hole<')} names of holes in the picture")
+
+
 def nothing_else_changes(kit):
     place = Place(kit)
     off = kit.compress(place.scan, place.path("off.mcap"), "--features", "off")
@@ -144,4 +168,4 @@ def cut_and_compared(kit):
 
 
 if __name__ == "__main__":
-    run_cases("features", [every_form_says_the_same, units_and_ranges, patches_of_points, nothing_else_changes, cut_and_compared])
+    run_cases("features", [every_form_says_the_same, units_and_ranges, patches_of_points, holes_are_named, nothing_else_changes, cut_and_compared])

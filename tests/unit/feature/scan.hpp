@@ -15,6 +15,9 @@ namespace scansion {
 /// Height in mm over x and y in mm; 0.1 mm from point to point and from line to line, counts of 1 um.
 using Surface = std::function<double(double x, double y)>;
 
+/// Is there nothing to measure?
+using Nothing = std::function<bool(double x, double y)>;
+
 /// Lines through ranking and the stage, in groups as the pipeline makes them; counts of 1 um.
 class Feed {
 public:
@@ -60,6 +63,11 @@ public:
     missing_.emplace(share);
     return *this;
   }
+  /// No points where there is nothing.
+  Scan& open(Nothing nothing) {
+    nothing_ = std::move(nothing);
+    return *this;
+  }
   Scan& seed(std::uint32_t value) {
     seed_ = value;
     return *this;
@@ -81,7 +89,7 @@ public:
       for (std::uint32_t k = 0; k < points_; ++k) {
         const std::uint32_t j = zigzag && i % 2 == 1 ? points_ - 1 - k : k;
         const double x = 0.1 * j, y = 0.1 * i, z = 1000 * surface_(x, y) + noise_(random);
-        if (missing_ && (*missing_)(random)) continue;
+        if ((missing_ && (*missing_)(random)) || (nothing_ && nothing_(x, y))) continue;
         line.xyz[0].push_back(static_cast<std::int32_t>(std::lround(1000 * x)));
         line.xyz[1].push_back(static_cast<std::int32_t>(std::lround(1000 * y)));
         line.xyz[2].push_back(static_cast<std::int32_t>(std::lround(z)));
@@ -97,6 +105,7 @@ public:
 
 private:
   Surface surface_;
+  Nothing nothing_;
   std::normal_distribution<double> noise_;
   std::optional<std::bernoulli_distribution> missing_;
   std::uint32_t seed_ = 7;

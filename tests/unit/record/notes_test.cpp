@@ -61,7 +61,7 @@ FeatureReport full_report() {
   patch.neighbours = {0, 2};
   patch.doubtful = true;
   report.patches = {patch};
-  report.forms = {{FormKind::slot, {1, 2}, 0.875}};
+  report.forms = {{FormKind::slot, {1, 2}, 0.875}, {FormKind::hole, {1}, 0.75, HoleSize{{1.5, -2.0, 0.25}, 4.0, 3.5, 9.25, 2}}};
   return report;
 }
 
@@ -108,12 +108,12 @@ TEST(Notes, DamagedTextIsRefused) {
                           R"({"group":1,"lines":7})", R"({"group":1e300,"lines":[]})"}) {
     EXPECT_FALSE(parse_features_message(bad, report)) << bad;
   }
-  for (const char* bad :
-       {R"({"group":1,"runs":[[0,0,[1]]]})", R"({"group":1,"runs":[[0,0,[1],[1,2]]]})", R"({"group":1,"merges":[[1]]})",
-        R"({"group":1,"runs":[[0,4294967295,[9],[1]]]})", R"({"group":1,"runs":[[0,0,[0],[1]]]})",
-        R"({"group":1,"runs":[[1]]})", R"({"group":1,"runs":[[0,0,[3],[1]],[-3]]})",
-        R"({"group":1,"runs":[[0,0,[3],[1]],[1,1]]})", R"({"group":1,"runs":[7]})",
-        R"({"group":1,"forms":[{"kind":"crater","patches":[],"confidence":1}]})"}) {
+  for (const char* bad : {R"({"group":1,"runs":[[0,0,[1]]]})", R"({"group":1,"runs":[[0,0,[1],[1,2]]]})",
+                          R"({"group":1,"merges":[[1]]})", R"({"group":1,"runs":[[0,4294967295,[9],[1]]]})",
+                          R"({"group":1,"runs":[[0,0,[0],[1]]]})", R"({"group":1,"runs":[[1]]})",
+                          R"({"group":1,"runs":[[0,0,[3],[1]],[-3]]})", R"({"group":1,"runs":[[0,0,[3],[1]],[1,1]]})",
+                          R"({"group":1,"runs":[7]})", R"({"group":1,"forms":[{"kind":"crater","patches":[],"confidence":1}]})",
+                          R"({"group":1,"forms":[{"kind":"hole","patches":[1],"confidence":1}]})"}) {
     EXPECT_FALSE(parse_patches_message(bad, report)) << bad;
   }
   for (const std::string* text : {&features, &patches}) { // no crash, whatever is cut off

@@ -214,6 +214,24 @@ TEST(Score, AFormOnAPatchThatHoldsEverythingIsNotNamed) {
   EXPECT_EQ(sum_of(judge(truth, found).forms).named, 0U);
 }
 
+TEST(Score, AHoleIsNamedInItsPlaceAndSize) {
+  Truth truth = two_creases();
+  truth.pitch_mm = truth.spacing_mm = 0.1;
+  truth.patches = {{FormKind::face, 10}};
+  truth.forms = {{FormKind::hole, 0, {0}, TrueHole{{5.0, 5.0, 1.0}, 3.1416}}};
+  truth.lines = {{{5, 0}}};
+  Found found;
+  found.patches = {{9, 9, 9, 9, 9}};
+  found.forms = {{FormKind::hole, {9}, 1.0, HoleSize{{5.1, 5.0, 1.0}, 2.0, 2.0, 3.3, 7}}};
+  EXPECT_EQ(sum_of(judge(truth, found).forms).named, 1U);
+  EXPECT_EQ(sum_of(judge(truth, found).forms).right, 1U);
+  found.forms[0].hole->middle[0] = 5.2;
+  EXPECT_EQ(sum_of(judge(truth, found).forms).named, 0U);
+  found.forms[0].hole->middle[0] = 5.0;
+  found.forms[0].hole->area_mm2 = 4.2;
+  EXPECT_EQ(sum_of(judge(truth, found).forms).right, 0U);
+}
+
 TEST(FoundFile, ReadsTheTextForms) {
   const auto lines = parse_lines_text("# id=3 type=step-top level=1 state=closed length=2\n1 2 3 4 5\n1 3 3 5 5\n\n"
                                       "# id=4 type=concave level=0 state=open length=0\n-1.5 0 2e-1 0 0\n");

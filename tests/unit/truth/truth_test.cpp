@@ -167,6 +167,35 @@ TEST(TruePatches, KindsOfTheSmallParts) {
   }
 }
 
+TEST(TrueForms, AHoleHasAnOutlineAndNoSamples) {
+  Scene scene = plate();
+  scene.holes.push_back({Footprint::disc(8.0, 9.0, 3.0)});
+  scene.holes.push_back({Footprint::disc(19.0, 9.0, 3.0)}); // the border of the scan cuts it
+  const Truth truth = truth_of(scene, {});
+  ASSERT_EQ(truth.forms.size(), 1U);
+  EXPECT_EQ(truth.forms[0].kind, FormKind::hole);
+  EXPECT_EQ(truth.forms[0].patches, (std::vector<std::uint32_t>{0}));
+  ASSERT_TRUE(truth.forms[0].hole);
+  EXPECT_NEAR(truth.forms[0].hole->area_mm2, 9.0 * kPi, 1e-9);
+  ASSERT_EQ(truth.curves.size(), 2U);
+  EXPECT_EQ(truth.curves[0].type, FeatureType::step_top);
+  EXPECT_TRUE(truth.curves[0].closed);
+  EXPECT_EQ(truth.curves[0].feature, truth.forms[0].feature);
+  EXPECT_NEAR(length(truth.curves[0]), 6.0 * kPi, 0.1);
+  EXPECT_FALSE(truth.curves[1].closed);
+  auto scanner = SceneScanner::create(scene, {});
+  ASSERT_TRUE(scanner);
+  SceneLine line;
+  while (scanner.value().next(line)) {
+    for (const ScenePoint& p : line.points)
+      EXPECT_EQ(p.is_there(),
+                std::hypot(p.x - 8000.0, p.y - 9000.0) >= 3000.0 && std::hypot(p.x - 19000.0, p.y - 9000.0) >= 3000.0);
+  }
+  EXPECT_EQ(scanner.value().counts().dropouts, 0U);
+  EXPECT_EQ(scanner.value().counts().points + scanner.value().counts().in_holes, 10000U);
+  EXPECT_EQ(truth.patches[0].samples, scanner.value().counts().points);
+}
+
 TEST(TruePatches, FaultsTakeSamplesAwayAndNothingElse) {
   ScanPlan plan;
   plan.pitch_mm = plan.spacing_mm = 0.2;
@@ -187,7 +216,9 @@ TEST(TruePatches, FaultsTakeSamplesAwayAndNothingElse) {
 TEST(TruthJson, GoesThereAndBack) {
   ScanPlan plan;
   plan.pitch_mm = plan.spacing_mm = 0.5;
-  const Truth truth = truth_of("bracket", plan);
+  Scene scene = make_scene("bracket").value();
+  scene.holes.push_back({Footprint::round_box(22.0, 30.0, 4.0, 3.0, 0.5), 4.0});
+  const Truth truth = truth_of(scene, plan);
   const std::string json = truth_json(truth);
   const auto read = parse_truth(json);
   ASSERT_TRUE(read) << read.error().context;
