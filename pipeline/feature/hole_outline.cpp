@@ -94,8 +94,7 @@ double area_of(const std::vector<Side>& loop) {
 // Along and across the scan lines.
 double length_of(const std::vector<Side>& loop) {
   double sum = 0.0;
-  for (const Side& side : loop)
-    sum += std::abs(side.to.first - side.from.first) + std::abs(side.to.second - side.from.second);
+  for (const Side& side : loop) sum += std::abs(side.to.first - side.from.first) + std::abs(side.to.second - side.from.second);
   return sum;
 }
 

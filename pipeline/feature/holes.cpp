@@ -12,18 +12,18 @@ namespace scansion {
 
 namespace {
 
-constexpr double kGap = 1.6;           // pitches between samples: one is missing; jitter stays below
-constexpr double kOverlap = 0.3;       // of the smaller of two gaps that lie beside each other
-constexpr double kLeastRows = 3.0;     // with a wide gap
-constexpr double kAlike = 0.5;         // of two gaps in successive rows together, what both have
-constexpr double kSureRows = 8.0;      // e-folds: so unlikely must it be that gaps meet by chance, row for row ...
-constexpr double kSureSamples = 40.0;  // ... and that all these samples were lost by chance
-constexpr double kGain = 1.0 / 32.0;   // of a row, on the share of samples that are lost by chance
-constexpr double kRim = 0.75;          // of the outline
-constexpr std::uint32_t kBeside = 8;   // samples that tell the slope beside a gap
-constexpr double kStep = 0.1;          // of the width: the sides of a hole lead to each other
-constexpr double kLeastStep = 0.1;     // mm
-constexpr double kNoise = 4.0;         // sigmas
+constexpr double kGap = 1.6;          // pitches between samples: one is missing; jitter stays below
+constexpr double kOverlap = 0.3;      // of the smaller of two gaps that lie beside each other
+constexpr double kLeastRows = 3.0;    // with a wide gap
+constexpr double kAlike = 0.5;        // of two gaps in successive rows together, what both have
+constexpr double kSureRows = 8.0;     // e-folds: so unlikely must it be that gaps meet by chance, row for row ...
+constexpr double kSureSamples = 40.0; // ... and that all these samples were lost by chance
+constexpr double kGain = 1.0 / 32.0;  // of a row, on the share of samples that are lost by chance
+constexpr double kRim = 0.75;         // of the outline
+constexpr std::uint32_t kBeside = 8;  // samples that tell the slope beside a gap
+constexpr double kStep = 0.1;         // of the width: the sides of a hole lead to each other
+constexpr double kLeastStep = 0.1;    // mm
+constexpr double kNoise = 4.0;        // sigmas
 
 /// Slope of up to kBeside samples from `k` on in steps of `way`, no gap between them; 0 when there are too few.
 double slope_beside(const PatchRow& row, std::uint32_t k, int way, double pitch) {
@@ -332,8 +332,8 @@ void HoleFinder::tell(PatchGraph& graph, std::int64_t number, bool is_complete, 
       continue;
     }
     slabs_ -= region.slabs.size();
-    const auto most =
-        std::max_element(region.rim.begin(), region.rim.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+    const auto most = std::max_element(region.rim.begin(), region.rim.end(),
+                                       [](const auto& a, const auto& b) { return a.second < b.second; });
     if (most == region.rim.end()) continue;
     PatchNode* const node = graph.known(most->first);
     if (node == nullptr || !node->real) continue;

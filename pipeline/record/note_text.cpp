@@ -174,14 +174,14 @@ void append_form(std::string& out, const Form& form, double mm_per_unit) {
   if (form.hole) {
     put_key(out, "middle");
     put_list(out, form.hole->middle, [&](double v) { put(out, v / mm_per_unit, kTenthUm * mm_per_unit); });
-    const auto size = [&](std::string_view key, double value) {
+    const auto size = [&](std::string_view key, double value, double per_unit) {
       put_key(out, key);
-      put_value(out, value);
+      put(out, value, per_unit);
     };
-    size("along", form.hole->along_mm);
-    size("across", form.hole->across_mm);
-    size("area", form.hole->area_mm2);
-    size("diameter", form.hole->diameter_mm());
+    size("along", form.hole->along_mm, kTenthUm);
+    size("across", form.hole->across_mm, kTenthUm);
+    size("area", form.hole->area_mm2, kTenthUm * kTenthUm);
+    size("diameter", form.hole->diameter_mm(), kTenthUm);
     put_key(out, "rim");
     put(out, form.hole->rim);
   }

@@ -70,7 +70,9 @@ TEST(Holes, OfManyShapes) {
     const double a = 0.5 * (x - 10.0) + 0.866 * (y - 9.0), b = 0.5 * (y - 9.0) - 0.866 * (x - 10.0);
     return std::abs(a) < 5.0 && std::abs(b) < 0.6;
   };
-  const auto angle = [](double x, double y) { return box(4.05, 14.05, 4.05, 6.05)(x, y) || box(12.05, 14.05, 4.05, 14.05)(x, y); };
+  const auto angle = [](double x, double y) {
+    return box(4.05, 14.05, 4.05, 6.05)(x, y) || box(12.05, 14.05, 4.05, 14.05)(x, y);
+  };
   const auto bracket = [](double x, double y) {
     return box(4.05, 6.05, 4.05, 12.05)(x, y) || box(14.05, 16.05, 6.05, 12.05)(x, y) || box(4.05, 16.05, 10.05, 12.05)(x, y);
   };
@@ -116,7 +118,8 @@ TEST(Holes, AreNotRingsAroundAPin) {
 }
 
 TEST(Holes, AreNotSamplesThatAreLost) {
-  for (const std::uint32_t seed : {1U, 2U, 3U, 4U}) EXPECT_TRUE(holes_in(Scan(flat, 20.0, 180).seed(seed).lose(0.3).run(64)).empty());
+  for (const std::uint32_t seed : {1U, 2U, 3U, 4U})
+    EXPECT_TRUE(holes_in(Scan(flat, 20.0, 180).seed(seed).lose(0.3).run(64)).empty());
   const auto bursts = [](double x, double y) { // 20 samples at random on each other line
     const double start = 43758.5453 * std::sin(12.9898 * std::round(10.0 * y));
     const double from = 18.0 * (start - std::floor(start));
