@@ -122,6 +122,14 @@ std::uint32_t patch_at(const PatchedRow& row, std::uint32_t sample) {
 
 } // namespace
 
+void HoleFinder::add_rim(std::vector<RimPart>& rim, std::uint32_t patch, double length) {
+  const auto known = std::find_if(rim.begin(), rim.end(), [&](const RimPart& part) { return part.patch == patch; });
+  if (known != rim.end())
+    known->length += length;
+  else
+    rim.push_back({patch, length});
+}
+
 std::size_t HoleFinder::root(std::size_t region) const noexcept {
   while (open_[region].into != kNone) region = open_[region].into;
   return region;
@@ -134,7 +142,7 @@ void HoleFinder::unite(std::size_t& a, std::size_t b) {
   Region &to = open_[std::min(a, b)], &gone = open_[std::max(a, b)];
   to.slabs.insert(to.slabs.end(), gone.slabs.begin(), gone.slabs.end());
   gone.slabs.clear();
-  for (const auto& [patch, length] : gone.rim) to.rim[patch] += length;
+  for (const RimPart& part : gone.rim) add_rim(to.rim, part.patch, part.length);
   to.outline += gone.outline;
   to.is_open = to.is_open || gone.is_open;
   gone.into = a = std::min(a, b);
@@ -210,7 +218,7 @@ void HoleFinder::cap(Region& region, const PatchedRow& row, double from, double 
   region.outline += to - from;
   const std::vector<double>& s = row.row->s;
   auto k = static_cast<std::uint32_t>(std::lower_bound(s.begin(), s.end(), from) - s.begin());
-  for (; k < s.size() && s[k] < to; ++k) region.rim[patch_at(row, k)] += pitch;
+  for (; k < s.size() && s[k] < to; ++k) add_rim(region.rim, patch_at(row, k), pitch);
 }
 
 // Adds this row to the regions, and to their rims what lies beside it and between the two rows.
@@ -235,7 +243,7 @@ void HoleFinder::measure(const PatchedRow& above, const PatchedRow& now, double 
     gap.slab.off = offset(*now.row, gap.left, pitch);
     keep(region, gap.slab);
     region.outline += 2.0 * sampling.spacing;
-    for (const std::uint32_t k : {gap.left, gap.left + 1}) region.rim[patch_at(now, k)] += sampling.spacing;
+    for (const std::uint32_t k : {gap.left, gap.left + 1}) add_rim(region.rim, patch_at(now, k), sampling.spacing);
   }
 }
 
@@ -298,11 +306,11 @@ void HoleFinder::end_rows() {
 void HoleFinder::follow(const PatchGraph& graph) {
   for (std::vector<Region>* regions : {&open_, &ended_}) {
     for (Region& region : *regions) {
-      const auto stays = [&](const auto& entry) { return graph.find(entry.first) == entry.first; };
+      const auto stays = [&](const RimPart& part) { return graph.find(part.patch) == part.patch; };
       if (std::all_of(region.rim.begin(), region.rim.end(), stays)) continue;
-      boost::container::flat_map<std::uint32_t, double> rim;
-      for (const auto& [patch, length] : region.rim) rim[graph.find(patch)] += length;
-      region.rim.swap(rim);
+      rim_.clear();
+      for (const RimPart& part : region.rim) add_rim(rim_, graph.find(part.patch), part.length);
+      region.rim.swap(rim_);
     }
   }
 }
@@ -333,21 +341,21 @@ void HoleFinder::tell(PatchGraph& graph, std::int64_t number, bool is_complete, 
     }
     slabs_ -= region.slabs.size();
     const auto most = std::max_element(region.rim.begin(), region.rim.end(),
-                                       [](const auto& a, const auto& b) { return a.second < b.second; });
+                                       [](const RimPart& a, const RimPart& b) { return a.length < b.length; });
     if (most == region.rim.end()) continue;
-    PatchNode* const node = graph.known(most->first);
+    PatchNode* const node = graph.known(most->patch);
     if (node == nullptr || !node->real) continue;
     std::stable_sort(region.slabs.begin(), region.slabs.end(), [](const HoleSlab& a, const HoleSlab& b) {
       return std::pair(a.row, a.s_low) < std::pair(b.row, b.s_low);
     });
     auto outline = trace_hole(region.slabs, sampling.pitch);
     if (!outline || !is_hole(region, *outline, sampling.pitch, sampling)) continue;
-    const double rim = most->second / (region.outline - outline->inner_mm);
+    const double rim = most->length / (region.outline - outline->inner_mm);
     if (rim < kRim) continue;
     node->holes += outline->area;
     FoundHole& hole = out.emplace_back();
     hole.outline = std::move(*outline);
-    hole.patch = most->first;
+    hole.patch = most->patch;
     hole.confidence = std::min(1.0, rim);
     hole.lines = static_cast<std::uint64_t>(region.slabs.back().row - region.slabs.front().row + 1);
   }

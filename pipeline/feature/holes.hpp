@@ -7,8 +7,6 @@
 #include "pipeline/feature/patch_row.hpp"
 #include "pipeline/feature/sampling.hpp"
 
-#include <boost/container/flat_map.hpp>
-
 #include <limits>
 #include <span>
 #include <vector>
@@ -57,16 +55,22 @@ private:
     bool wide = false;
     std::size_t region = kNone; // in open_
   };
+  /// How much of an outline lies beside a patch, mm.
+  struct RimPart {
+    std::uint32_t patch = 0;
+    double length = 0.0;
+  };
   struct Region {
     std::vector<HoleSlab> slabs;
-    boost::container::flat_map<std::uint32_t, double> rim; // mm of the outline, by patch
-    double outline = 0.0;                                  // mm, all of it
+    std::vector<RimPart> rim; // each patch once
+    double outline = 0.0;     // mm, all of it
     std::int64_t last_row = 0;
     std::size_t into = kNone; // the region that it was united with
     double lost = 0.0;        // share of samples that were lost by chance around its end
     bool is_open = false;     // to the border of the scan, or too large
   };
 
+  static void add_rim(std::vector<RimPart>& rim, std::uint32_t patch, double length);
   [[nodiscard]] std::size_t root(std::size_t region) const noexcept;
   void unite(std::size_t& a, std::size_t b);
   void link(const PatchedRow& above, double pitch, const Sampling& sampling);
@@ -80,6 +84,7 @@ private:
   std::vector<Region> open_, ended_;
   std::vector<Gap> gaps_, before_; // of this row, and those of the row before that belong to a region; by place
   std::vector<Gap> scratch_;
+  std::vector<RimPart> rim_;
   std::vector<double> offs_;
   std::size_t slabs_ = 0; // in all regions
   double stray_ = 0.0;    // mm of the row in gaps that belong to no region
