@@ -4,6 +4,7 @@
 #include "sim/scene/portable_math.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace scansion {
@@ -70,9 +71,9 @@ OutlineCurve Footprint::endless(double v, double step, const Box& window, PlanVe
 OutlineCurve Footprint::rounded(double radius, double step) const {
   OutlineCurve curve;
   curve.closed = true;
-  const double corners[4][2] = {{a_, b_}, {-a_, b_}, {-a_, -b_}, {a_, -b_}};
+  const std::array<std::array<double, 2>, 4> corners{{{a_, b_}, {-a_, b_}, {-a_, -b_}, {a_, -b_}}};
   constexpr double kQuarter = 1.57079632679489661923;
-  for (int corner = 0; corner < 4; ++corner) {
+  for (unsigned corner = 0; corner < corners.size(); ++corner) {
     const auto [u, v] = corners[corner];
     const int steps = steps_over(kQuarter * radius, step);
     for (int k = 0; k <= steps; ++k) {

@@ -88,7 +88,7 @@ private:
     double middle = 0.0;
     double points = geometry_.points;
     if (scene_.span != nullptr) {
-      const auto index = static_cast<std::uint32_t>(line + 0.5);
+      const auto index = static_cast<std::uint32_t>(std::lround(line));
       middle = scene_.span((index + 0.5) / geometry_.lines).centre * geometry_.window;
       points = static_cast<double>(geometry_.samples) * static_cast<double>(line_weight(scene_, index, geometry_.lines)) /
                static_cast<double>(geometry_.weight);

@@ -129,7 +129,7 @@ TEST(Kernels, ProductsOfRowsAreAddedOneAfterTheOther) {
       const auto rows = noise<std::int32_t>(random, 16 * (stride * n + 1));
       std::vector<double> factors(n);
       for (double& f : factors) f = 1.0 / (1.0 + static_cast<double>(random() % 1000));
-      std::array<double, 14 * 16> normal{}, expected{};
+      std::array<double, std::size_t{14} * 16> normal{}, expected{};
       for (std::size_t r = 0; r < n; ++r)
         for (std::size_t i = 0; i < 14; ++i)
           for (std::size_t j = 0; j < 16; ++j) {
