@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kTilted = 20.0;      // degrees: a strip that leans so much against what is around it is no top and no floor
 constexpr double kLevelled = 20.0;    // degrees: levels of one step lean no more against each other
+constexpr double kBent = 15.0;        // degrees across a strip: it rounds the edge
 constexpr double kWallTilt = 45.0;    // degrees
 constexpr double kAllRound = 0.7;     // of the border that leads anywhere
 constexpr double kSide = 0.25;        // of an outline: a side of a form
@@ -37,13 +38,13 @@ public:
     if (graph_.node(id).form != FormKind::face) return graph_.node(id).form;
     const PatchLook& look = looks_.of(id);
     if (look.role == Role::flank) return name_flank(id, look);
-    if (look.role == Role::strip) return FormKind::chamfer;
+    if (look.role == Role::strip) return kind_of_strip(id);
     FormKind kind = FormKind::face;
     if (look.role == Role::trough || look.role == Role::bulge)
       kind = kind_of(look.role == Role::bulge, look.is_long() || goes_on(id, look));
     if (look.role == Role::top || look.role == Role::floor) kind = kind_of_level(id, look);
     if (kind == FormKind::face) name_steps(id, look);
-    if (kind == FormKind::face || kind == FormKind::chamfer) return kind;
+    if (kind == FormKind::face || kind == FormKind::chamfer || kind == FormKind::fillet) return kind;
     graph_.node(id).form = kind;
     emit(kind, with_walls(id), look.outline);
     return kind;
@@ -53,6 +54,10 @@ private:
   [[nodiscard]] static FormKind kind_of(bool raised, bool is_long) noexcept {
     if (raised) return is_long ? FormKind::rib : FormKind::boss;
     return is_long ? FormKind::slot : FormKind::pocket;
+  }
+
+  [[nodiscard]] FormKind kind_of_strip(std::uint32_t id) const {
+    return graph_.node(id).sums.turning(sampling_.noise) >= kBent ? FormKind::fillet : FormKind::chamfer;
   }
 
   void emit(FormKind kind, std::vector<std::uint32_t> patches, const Outline& outline) {
@@ -103,7 +108,7 @@ private:
       if (level.border >= kSide * look.outline.cut()) smallest = std::min(smallest, other.sums.count());
     }
     if (look.is_long() && largest != nullptr && angle_between(look.plane, largest->sums.plane()) >= kTilted)
-      return FormKind::chamfer;
+      return kind_of_strip(id);
     if (falls < kAllRound * border) return FormKind::face;
     // Between two steps the narrower part is the form.
     const bool open = look.outline.open > kClosed * look.outline.all();

@@ -72,9 +72,9 @@ SCANSION_INLINE void mark_walls_body(const std::array<const float*, 4>& rows, co
   const float weak = limits.weak, steep = limits.steep, lonely = limits.lonely;
   for (std::size_t k = 0; k < n; ++k) {
     const float step = std::abs(c[k] - b[k]), least = lonely * step;
-    const bool goes_on = (std::abs(b[k] - a[k]) >= least) | (std::abs(d[k] - c[k]) >= least);
-    const bool none = (step <= weak) | ((step <= steep) & goes_on);
-    marks[k] = none ? marks[k] : mark;
+    const int goes_on = static_cast<int>(std::abs(b[k] - a[k]) >= least) | static_cast<int>(std::abs(d[k] - c[k]) >= least);
+    const int none = static_cast<int>(step <= weak) | (static_cast<int>(step <= steep) & goes_on);
+    marks[k] = none != 0 ? marks[k] : mark;
   }
 }
 

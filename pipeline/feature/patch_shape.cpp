@@ -5,6 +5,7 @@
 #include "pipeline/feature/feature_line.hpp"
 
 #include <cmath>
+#include <numbers>
 
 namespace scansion {
 
@@ -184,6 +185,17 @@ PatchSums::Quadric PatchSums::quadric() const noexcept {
   }
   q.square = ww_ - q.count * q.w * q.w;
   return q;
+}
+
+double PatchSums::turning(double noise) const {
+  constexpr double kOfNoise = 25.0; // what a quadric takes off the sum of squares, in variances: five sigma
+  const Quadric sums = quadric();
+  if (sums.left(3) - sums.left(6) <= kOfNoise * noise * noise) return 0.0;
+  const auto x = sums.solved(6);
+  const double middle = x[3] + x[5], spread = std::hypot(x[3] - x[5], x[4]); // second derivatives: their sum and difference
+  const double square = 1.0 + x[1] * x[1] + x[2] * x[2];
+  const double curvature = (std::abs(middle) + spread) / (square * std::sqrt(square));
+  return curvature * box().second * 180.0 / std::numbers::pi;
 }
 
 double PatchSums::misfit_with(const PatchSums& other, double noise) const {

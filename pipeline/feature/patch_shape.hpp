@@ -30,6 +30,8 @@ public:
   [[nodiscard]] PatchPlane plane() const noexcept;
   /// Length and width of the rectangle in plan with the same spread.
   [[nodiscard]] std::pair<double, double> box() const noexcept;
+  /// Degrees by which it turns across its width, as its quadric has it; 0 where a plane does as well in this noise (mm).
+  [[nodiscard]] double turning(double noise) const;
   /// How much worse one quadric fits the samples of both than one each: mean square for a sample of the smaller one, in units
   /// of what lies about their own quadrics and of the noise (mm). Up to about 2 both lie on one surface.
   [[nodiscard]] double misfit_with(const PatchSums& other, double noise) const;

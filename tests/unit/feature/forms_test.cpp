@@ -105,6 +105,22 @@ TEST(Forms, LevelsMakeSteps) {
   EXPECT_GT(height(report.forms[0].patches.front()), height(report.forms[0].patches.back()) + 1.5);
 }
 
+// 3 mm between a face and a steep one, beside the face in a crease of 20 degrees: straight, or bent by 21 degrees more.
+TEST(Forms, AStripThatBendsIsAFillet) {
+  constexpr double kBegin = 16.0, kEnd = 19.0, kSlope = 0.364, kSteep = 1.5;
+  const auto label = [&](double bend) {
+    const auto part = [=](double x, double) {
+      const double u = std::clamp(x, kBegin, kEnd) - kBegin;
+      return -kSlope * u - 0.5 * bend * u * u - kSteep * std::max(0.0, x - kEnd);
+    };
+    for (const Patch& patch : scan(part, {20.0, 0.0}).patches)
+      if (patch.centroid[0] > kBegin && patch.centroid[0] < kEnd) return patch.label;
+    return FormKind::hole;
+  };
+  EXPECT_EQ(label(0.0), FormKind::chamfer);
+  EXPECT_EQ(label(0.171), FormKind::fillet);
+}
+
 TEST(Forms, MissingPointsChangeNothing) {
   const Faults faults{20.0, 0.03};
   EXPECT_EQ(kinds_in(scan([](double x, double y) { return box(x, y, 5.0, 4.0) < 0.0 ? -1.0 : 0.0; }, faults)),
