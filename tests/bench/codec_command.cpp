@@ -1,7 +1,8 @@
-// scansion_bench codec: encoding, decoding and the whole pipeline, as shares of the plain ranking of the same lines.
-// SPDX-License-Identifier: Apache-2.0
+// scansion_bench codec: encoding, decoding, the whole pipeline and the feature stage, as shares of the plain ranking of the
+// same lines. SPDX-License-Identifier: Apache-2.0
 #include "tests/bench/commands.hpp"
 #include "tests/bench/our_codec.hpp"
+#include "tests/bench/our_features.hpp"
 #include "tests/bench/plane_lines.hpp"
 
 namespace scansion::bench {
@@ -10,8 +11,12 @@ namespace {
 constexpr Bar kEncode{0.35, 0.20};
 constexpr Bar kDecode{0.25, 0.12};
 constexpr Bar kWhole{0.50, 0.32};
+constexpr Bar kFeatures{0.10, 0.04};
 
-Result<std::vector<LineSet>> sets_of(const Options& o) {
+/// Which lines of a set are taken: groups evenly over it, or all as they follow each other.
+enum class Taken : std::uint8_t { groups, whole };
+
+Result<std::vector<LineSet>> sets_of(const Options& o, Taken taken) {
   struct Scene {
     const char* name;
     std::uint32_t points;
@@ -21,12 +26,14 @@ Result<std::vector<LineSet>> sets_of(const Options& o) {
   for (const Scene& scene : scenes) {
     // The scene's own spacing: neighbouring lines are what the codec lives on.
     SCANSION_TRY(set, scene_set(scene.name, 0, scene.points));
-    thin_out(set, o.lines == 0 ? 2 * kGroupLines : o.lines, 0, kGroupLines);
+    if (taken == Taken::groups) thin_out(set, o.lines == 0 ? 2 * kGroupLines : o.lines, 0, kGroupLines);
+    if (taken == Taken::whole) thin_out(set, o.lines, 0, set.lines.size());
     sets.push_back(std::move(set));
   }
   SCANSION_TRY(files, file_sets(o));
   for (LineSet& set : files) {
-    thin_out(set, o.lines, o.points, kGroupLines);
+    if (taken == Taken::groups) thin_out(set, o.lines, o.points, kGroupLines);
+    if (taken == Taken::whole) thin_out(set, o.lines, 0, set.lines.size());
     sets.push_back(std::move(set));
   }
   return sets;
@@ -46,10 +53,29 @@ void add_row(Report& report, Table& table, const LineSet& set, const PairResult&
   table.add(std::move(cells));
 }
 
+// What is found hangs together from line to line, so scans are taken whole.
+Result<void> time_features(const Options& options, const std::vector<std::string>& columns, const LevelSpec& levels,
+                           Report& report) {
+  SCANSION_TRY(sets, sets_of(options, Taken::whole));
+  Table features("Feature lines and patches / plain ranking", columns,
+                 "One thread; the feature stage on ranked groups, whole scans from the first line to the last finding.");
+  for (const LineSet& set : sets) {
+    const PlaneLines lines = plane_lines(set.runs(), set.resolution_mm);
+    Plain plain;
+    const auto rank_plain = [&] {
+      for (const auto& line : lines) plain.rank(line);
+    };
+    OurFeatures stage(set, levels);
+    add_row(report, features, set, run_pairs([&] { stage.run(); }, rank_plain, options.pairs), kFeatures);
+  }
+  report.print(features);
+  return success();
+}
+
 } // namespace
 
 Result<void> run_codec(const Options& options, Report& report) {
-  SCANSION_TRY(sets, sets_of(options));
+  SCANSION_TRY(sets, sets_of(options, Taken::groups));
   const std::vector<std::string> columns{"lines", "ours ns/pt", "plain ns/pt", "Mpt/s", "ratio",
                                          "q1",    "q3",         "must",        "good",  "mark"};
   Table encode("Encoding groups without ranking / plain ranking", columns);
@@ -74,7 +100,7 @@ Result<void> run_codec(const Options& options, Report& report) {
   report.print(encode);
   report.print(decode);
   report.print(whole);
-  return success();
+  return time_features(options, columns, levels, report);
 }
 
 } // namespace scansion::bench

@@ -74,7 +74,7 @@ int run_command_line(int argc, char** argv) {
     return app;
   };
   verb("rank", "The full ranking beside plain Douglas-Peucker, Boost.Geometry and GEOS", run_rank);
-  verb("codec", "Encoding, decoding and the whole pipeline beside the plain ranking", run_codec);
+  verb("codec", "Encoding, decoding, the whole pipeline and the feature stage beside the plain ranking", run_codec);
   verb("size", "Bits per point beside other packers", run_size);
   CLI::App* instructions = verb("instructions", "Instructions a point of the ranking, by valgrind", run_instructions);
   instructions->add_option("--child", o.child, "What to rank inside valgrind, SCENE:POINTS")->group("");
