@@ -33,7 +33,7 @@ void average_pairs(const Profile& profile, const Sampling& sampling, ProfileRank
       const std::size_t other = pair ? k + 1 : k;
       out.s.push_back(0.5 * (profile.s[k] + profile.s[other]));
       out.w.push_back(0.5 * (profile.w[k] + profile.w[other]));
-      out.source.push_back(profile.source[k]);
+      out.source.push_back(profile.number(k));
       k = other + 1;
     }
     out.ends.push_back(static_cast<std::uint32_t>(out.size()));

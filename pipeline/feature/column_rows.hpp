@@ -21,6 +21,8 @@ public:
   /// What a wall is from now on.
   void set_test(const WallTest& test) noexcept { test_ = test; }
   void add(const ColumnRow& row);
+  /// What is known of a row that was added.
+  void set(std::int64_t row, const ColumnRow& now) noexcept { rows_[static_cast<std::size_t>(row)] = now; }
   void drop_oldest();
   void clear() noexcept;
   [[nodiscard]] std::int64_t size() const noexcept { return static_cast<std::int64_t>(rows_.size()); }

@@ -12,57 +12,79 @@ namespace scansion {
 
 namespace {
 
-constexpr std::uint32_t kBlock = passes::ColumnBlocks::kSize;
-constexpr double kSlack = 0.05; // of a pitch: samples often stand on columns but for their rounding
+constexpr std::uint32_t kBlock = passes::ColumnRun::kBlock;
+constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
 class ColumnSampler {
 public:
-  ColumnSampler(const Profile& profile, const Sampling& sampling, const ColumnGrid& grid, float* height,
+  ColumnSampler(const Profile& profile, const Sampling& sampling, const ColumnSpan& columns, float* height,
                 std::uint32_t* source) noexcept
-      : s_(profile.s.data()), w_(profile.w.data()), samples_(profile.source.data()), grid_(grid), height_(height),
-        source_(source), widest_(3.5 * sampling.pitch), jump_(std::max(6.0 * sampling.noise, 1.5 * sampling.pitch)) {}
+      : profile_(profile), s_(profile.s.data()), columns_(columns), pitch_(profile.scale.pitch),
+        origin_(profile.s.front() * (1.0 / pitch_)), height_(height), source_(source), widest_(3.5 * sampling.pitch),
+        jump_(std::max(6.0 * sampling.noise, 1.5 * sampling.pitch)) {}
 
-  /// Samples [begin, end) of the profile.
+  /// Samples [begin, end) of the profile; runs come in order.
   void add_run(std::uint32_t begin, std::uint32_t end) noexcept;
+  void finish() noexcept { leave_out(columns_.left + static_cast<std::int64_t>(columns_.width)); }
 
 private:
-  [[nodiscard]] double place(std::int64_t column) const noexcept { return static_cast<double>(column) * grid_.pitch; }
+  [[nodiscard]] double place(std::int64_t column) const noexcept { return static_cast<double>(column) * pitch_; }
   [[nodiscard]] std::uint32_t take_blocks(std::uint32_t k, std::int64_t column, std::uint32_t most) noexcept;
   void take(std::uint32_t k, std::int64_t column) noexcept;
+  void leave_out(std::int64_t column) noexcept;
 
+  const Profile& profile_;
   const double* const s_;
-  const double* const w_;
-  const std::uint32_t* const samples_;
-  const ColumnGrid grid_;
+  const ColumnSpan columns_;
+  const double pitch_, origin_; // mm; place of the first sample in pitches
   float* const height_;
-  std::uint32_t* const source_;
-  const double widest_, jump_; // mm: between samples, up
+  std::uint32_t* const source_; // samples of the profile
+  const double widest_, jump_;  // mm: between samples, up
+  std::size_t next_ = 0;        // column that has not been written to, from the left
 };
 
 // Takes blocks of columns as long as samples stand beside them one by one, and none of them at a wall. Returns how many
 // columns these are.
 std::uint32_t ColumnSampler::take_blocks(std::uint32_t k, std::int64_t column, std::uint32_t most) noexcept {
-  const passes::ColumnBlocks blocks{static_cast<double>(column), grid_.pitch, grid_.base, widest_, jump_, kSlack * grid_.pitch};
-  float* const height = height_ + (column - grid_.left);
-  const std::size_t columns =
-      kBlock * passes::sample_columns({s_ + k, w_ + k, samples_ + k}, blocks, most, height, source_ + (column - grid_.left));
-  if (columns < std::size_t{most} * kBlock) std::fill_n(height + columns, kBlock, std::numeric_limits<float>::quiet_NaN());
-  return static_cast<std::uint32_t>(columns);
+  constexpr float kSlack = 0.05F; // of a pitch: samples often stand on columns but for their rounding
+  passes::ColumnRun run;
+  run.shift = profile_.shift.data() + k;
+  run.height = profile_.height.data() + k;
+  run.ahead = static_cast<float>(static_cast<double>(column) - origin_ - k);
+  run.slack = kSlack;
+  run.widest = static_cast<float>(widest_ / pitch_);
+  run.jump = static_cast<float>(jump_);
+  const std::int64_t at = column - columns_.left;
+  return static_cast<std::uint32_t>(kBlock * passes::sample_columns(run, k, most, height_ + at, source_ + at));
 }
 
 void ColumnSampler::take(std::uint32_t k, std::int64_t column) noexcept {
-  const double t = place(column) - s_[k], ds = s_[k + 1] - s_[k], dw = w_[k + 1] - w_[k];
+  const std::int64_t at = column - columns_.left;
+  const double t = place(column) - s_[k], ds = s_[k + 1] - s_[k];
   const std::uint32_t nearest = t < ds - t ? k : k + 1;
-  source_[column - grid_.left] = samples_[nearest];
-  if (ds > widest_) return;
-  height_[column - grid_.left] = static_cast<float>((std::abs(dw) > jump_ ? w_[nearest] : w_[k] + dw * (t / ds)) - grid_.base);
+  const float rise = profile_.height[k + 1] - profile_.height[k];
+  const bool wall = static_cast<double>(std::abs(rise)) > jump_;
+  source_[at] = nearest;
+  height_[at] = ds > widest_ ? kNone : wall ? profile_.height[nearest] : profile_.height[k] + rise * static_cast<float>(t / ds);
+}
+
+// All before this column that no run reaches.
+void ColumnSampler::leave_out(std::int64_t column) noexcept {
+  const auto to = static_cast<std::size_t>(column - columns_.left);
+  if (to <= next_) return;
+  std::fill(height_ + next_, height_ + to, kNone);
+  std::fill(source_ + next_, source_ + to, 0U);
+  next_ = to;
 }
 
 void ColumnSampler::add_run(std::uint32_t begin, std::uint32_t end) noexcept {
   if (end - begin < 2) return;
-  const auto last = static_cast<std::int64_t>(std::floor(s_[end - 1] / grid_.pitch));
-  std::uint32_t k = begin, singly = 0; // columns to take before the next block is tried
-  for (auto column = static_cast<std::int64_t>(std::ceil(s_[begin] / grid_.pitch)); column <= last;) {
+  const auto last = static_cast<std::int64_t>(std::floor(s_[end - 1] / pitch_));
+  auto column = static_cast<std::int64_t>(std::ceil(s_[begin] / pitch_));
+  if (column > last) return;
+  leave_out(column);
+  next_ = static_cast<std::size_t>(last + 1 - columns_.left);
+  for (std::uint32_t k = begin, singly = 0; column <= last;) { // singly: columns to take before the next block is tried
     while (k + 2 < end && s_[k + 1] < place(column)) ++k;
     const auto blocks = static_cast<std::uint32_t>(std::min<std::int64_t>(end - 1 - k, last + 1 - column)) / kBlock;
     const std::uint32_t columns = singly == 0 && blocks > 0 ? take_blocks(k, column, blocks) : 0;
@@ -78,14 +100,17 @@ void ColumnSampler::add_run(std::uint32_t begin, std::uint32_t end) noexcept {
 
 } // namespace
 
-void sample_columns(const Profile& profile, const Sampling& sampling, const ColumnGrid& grid, float* height,
+void sample_columns(const Profile& profile, const Sampling& sampling, const ColumnSpan& columns, float* height,
                     std::uint32_t* source) {
-  ColumnSampler sampler(profile, sampling, grid, height, source);
+  ColumnSampler sampler(profile, sampling, columns, height, source);
   std::uint32_t begin = 0;
   for (const std::uint32_t end : profile.ends) {
     sampler.add_run(begin, end);
     begin = end;
   }
+  sampler.finish();
+  if (profile.source.empty()) return;
+  for (std::size_t j = 0; j < columns.width; ++j) source[j] = profile.source[source[j]];
 }
 
 } // namespace scansion

@@ -8,17 +8,16 @@
 
 namespace scansion {
 
-/// Columns stand at whole multiples of the pitch.
-struct ColumnGrid {
-  double pitch = 1.0;    ///< mm
-  std::int64_t left = 0; ///< number of the first one
-  double base = 0.0;     ///< mm: heights are relative to it
+/// `left`: number of the first of these columns.
+struct ColumnSpan {
+  std::int64_t left = 0;
+  std::size_t width = 0;
 };
 
-/// Fills in what columns see between the first and the last sample of each run, but no height where samples are missing; other
-/// columns stay as they are. `height` and `source` (sample of the scan line) begin at the first column and hold all that the
-/// profile reaches.
-void sample_columns(const Profile& profile, const Sampling& sampling, const ColumnGrid& grid, float* height,
+/// What columns see between the first and the last sample of each run: no height elsewhere, and where samples are missing.
+/// `height` and `source` (sample of the scan line; the first one where none is near) have room for all columns, which hold all
+/// that the profile reaches. It stands to them.
+void sample_columns(const Profile& profile, const Sampling& sampling, const ColumnSpan& columns, float* height,
                     std::uint32_t* source);
 
 } // namespace scansion

@@ -21,7 +21,7 @@ constexpr double kCalmer = 0.8;              // walls are marked as if the noise
 
 } // namespace
 
-Columns::Columns(const Sampling& sampling) : pitch_(sampling.pitch) {
+Columns::Columns(const Sampling& sampling, const ColumnScale& scale) : pitch_(scale.pitch), base_(scale.base) {
   // Narrow features want narrow windows; the noise decides how narrow.
   wanted_ = FitScale::wanted_window(sampling.noise, sampling.spacing);
   window_ = std::max(kNarrowest, (wanted_ + 2) / 3);
@@ -52,9 +52,10 @@ bool Columns::make_room(double low, double high) {
   };
   for (std::int64_t r = first_; r < next_; ++r) {
     widen(row(r).height, kNone);
-    widen(row(r).bend, kNone);
+    if (row(r).screened) widen(row(r).bend, kNone);
     widen(row(r).source, 0U);
   }
+  unknown_.resize(new_width, kNone);
   widen(roundings_, Rounding());
   widen(marks_, static_cast<std::uint32_t>(next_));
   left_ = new_left;
@@ -65,18 +66,17 @@ bool Columns::make_room(double low, double high) {
 
 void Columns::add(const Profile& profile, const Sampling& sampling, std::vector<ColumnPoint>& out) {
   if (profile.size() < 2 || !make_room(profile.s.front(), profile.s.back())) return;
-  if (next_ == 0) base_ = profile.w[0];
   const std::int64_t r = next_++;
   first_ = std::max(first_, next_ - static_cast<std::int64_t>(ring_.size()));
   Row& newest = row(r);
   newest.c = profile.c;
   newest.line = profile.line;
-  newest.height.assign(width_, kNone);
-  newest.bend.assign(width_, kNone);
-  newest.source.assign(width_, profile.source.front()); // what a bend takes whose own row has a hole
-  rows_.add({newest.c, newest.height.data(), newest.bend.data()});
+  newest.screened = false;
+  newest.height.resize(width_);
+  newest.source.resize(width_);
+  rows_.add(view(newest));
   if (rows_.size() > next_ - first_) rows_.drop_oldest();
-  sample_columns(profile, sampling, {pitch_, left_, base_}, newest.height.data(), newest.source.data());
+  sample_columns(profile, sampling, {left_, width_}, newest.height.data(), newest.source.data());
   mark_walls(r, sampling);
   const auto n = static_cast<std::int64_t>(window_);
   if (r >= n) screen(r - n, sampling);
@@ -132,6 +132,9 @@ void Columns::screen(std::int64_t r, const Sampling& sampling) {
   };
   add_side(low, r - 1, -1.0);
   add_side(r + 1, high, 1.0);
+  centre.bend.resize(width_);
+  centre.screened = true;
+  rows_.set(r - first_, view(centre));
   passes::weigh(weighed_.data(), weights_.data(), weights_.size(), centre.bend.data(), width_);
 }
 
@@ -244,7 +247,7 @@ void Columns::measure_step(std::int64_t r, std::size_t column, const FitScale& s
 
 void Columns::view_rows() {
   rows_.clear();
-  for (std::int64_t r = first_; r < next_; ++r) rows_.add({row(r).c, row(r).height.data(), row(r).bend.data()});
+  for (std::int64_t r = first_; r < next_; ++r) rows_.add(view(row(r)));
 }
 
 void Columns::harvest(std::int64_t r, const Sampling& sampling, std::vector<ColumnPoint>& out) {

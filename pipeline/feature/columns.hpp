@@ -24,8 +24,8 @@ public:
   /// More columns than this are not looked at: a scan of that extent against its pitch is no surface.
   static constexpr std::int64_t kMostColumns = 1 << 16;
 
-  /// `sampling` of the first lines fixes the columns.
-  explicit Columns(const Sampling& sampling);
+  /// All profiles must stand to columns like these; `sampling` of the first lines fixes the windows.
+  Columns(const Sampling& sampling, const ColumnScale& scale);
 
   /// Takes the next row; adds what is found `lag()` rows before it, in ascending column.
   void add(const Profile& profile, const Sampling& sampling, std::vector<ColumnPoint>& out);
@@ -46,7 +46,8 @@ private:
     std::uint64_t line = 0;
     std::vector<std::uint32_t> source; // sample of the scan line
     std::vector<float> height;         // NaN where there is none; relative to base_
-    std::vector<float> bend;           // slope after minus slope before, over the least window; NaN: unknown
+    std::vector<float> bend;           // slope after minus slope before, over the least window, once it is known
+    bool screened = false;             // it is known
   };
   /// The last rounding that was found in a column.
   struct Rounding {
@@ -61,6 +62,9 @@ private:
   void mark_walls(std::int64_t r, const Sampling& sampling);
   [[nodiscard]] bool has_walls(std::size_t column, std::int64_t from) const noexcept;
   void screen(std::int64_t r, const Sampling& sampling);
+  [[nodiscard]] ColumnRow view(const Row& row) const noexcept {
+    return {row.c, row.height.data(), row.screened ? row.bend.data() : unknown_.data()};
+  }
   void view_rows();
   void harvest(std::int64_t r, const Sampling& sampling, std::vector<ColumnPoint>& out);
   [[nodiscard]] bool bends_most(std::int64_t row, std::size_t column, std::int64_t near) const;
@@ -81,6 +85,7 @@ private:
   std::size_t width_ = 0;        // columns
   std::vector<Row> ring_;
   std::vector<Rounding> roundings_;   // of each column
+  std::vector<float> unknown_;        // NaN in each column
   std::vector<std::uint32_t> marks_;  // of each column: number of the row before which a wall may have started last
   bool trusted_ = false;              // marks hold for the noise as it is
   std::int64_t first_ = 0, next_ = 0; // rows held

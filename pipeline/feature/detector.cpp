@@ -3,6 +3,7 @@
 #include "pipeline/feature/detector.hpp"
 
 #include "pipeline/feature/line_sums.hpp"
+#include "pipeline/feature/rises.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -157,7 +158,7 @@ void Detector::detect(const Profile& profile, const Sampling& sampling, std::vec
   const Heights heights{profile.s, profile.w};
   std::uint32_t begin = 0;
   for (const std::uint32_t end : profile.ends) {
-    find_steps(heights, begin, end, scale, found_, walls_);
+    find_steps(heights, begin, end, rises_of(profile.rises, begin, end), scale, found_, walls_);
     begin = end;
   }
   for (FeaturePoint& p : found_) {

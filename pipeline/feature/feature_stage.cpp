@@ -7,6 +7,7 @@
 #include "pipeline/feature/line_finder.hpp"
 #include "pipeline/feature/patch_grower.hpp"
 #include "pipeline/feature/publisher.hpp"
+#include "pipeline/feature/rises.hpp"
 #include "pipeline/feature/spikes.hpp"
 
 #include <algorithm>
@@ -69,8 +70,9 @@ struct FeatureStage::Impl {
   RawLine raw;
   Profile profile, pairs;
   std::vector<std::uint32_t> scratch;
-  bool averages = false;                       ///< features are looked for in pairs of samples
-  SamplingEstimator estimator, pair_estimator; ///< noise that hangs together falls less in pairs than it should
+  std::optional<ColumnScale> scale, pair_scale; ///< fixed by the first line
+  bool averages = false;                        ///< features are looked for in pairs of samples
+  SamplingEstimator estimator, pair_estimator;  ///< noise that hangs together falls less in pairs than it should
   ProfileRanker ranker;
   LineFinder finder;
   Junctions junctions;
@@ -112,7 +114,7 @@ void FeatureStage::Impl::begin(FeatureReport& report) {
     pair_estimator.add(pairs);
   }
   for (const KeptLine& line : waiting)
-    if (process(line.raw(), report)) patches->hold(profile, estimator.value());
+    if (process(line.raw(), report)) patches->hold(profile);
   waiting.clear();
 }
 
@@ -134,8 +136,16 @@ bool FeatureStage::Impl::process(const RawLine& line, FeatureReport& report) {
     return false;
   }
   last_c = profile.c;
-  clean_spikes(profile, sampling.noise, averages ? nullptr : &ranker, scratch);
-  if (averages) average_pairs(profile, sampling, ranker, pairs);
+  note_rises(profile, sampling, scratch);
+  clean_spikes(profile, sampling.noise, averages ? nullptr : &ranker);
+  if (!scale) scale = {sampling.pitch, profile.w.front()};
+  stand(profile, *scale);
+  if (averages) {
+    average_pairs(profile, sampling, ranker, pairs);
+    note_rises(pairs, looked_at(), scratch);
+    if (!pair_scale) pair_scale = {looked_at().pitch, pairs.w.front()};
+    stand(pairs, *pair_scale);
+  }
   finder.add(averages ? pairs : profile, looked_at(), curves);
   junctions.add_row(profile);
   // By lines and not by groups: what is found must not depend on how lines are grouped.
@@ -188,7 +198,7 @@ void FeatureStage::add(const LineGroup& group, std::span<const double> distance,
       const bool taken = m.process(m.raw, report);
       m.estimator.add(m.profile);
       if (m.averages) m.pair_estimator.add(m.pairs);
-      if (taken) m.patches->hold(m.profile, m.estimator.value());
+      if (taken) m.patches->hold(m.profile);
       continue;
     }
     if (m.raw.distance.empty()) continue; // says nothing about the frame, and lines may stay empty for ever

@@ -92,6 +92,10 @@ Frame FrameFinder::frame() const {
   const double flat = std::hypot(normal[0], normal[1]);
   Frame frame;
   if (flat < 1e-9) return frame;
+  // Of a straight axis, sums leave a rounding error; without it such an axis need not be looked at on any line.
+  constexpr double kRounding = 1e-12;
+  for (double& part : normal)
+    if (std::abs(part) < kRounding * flat) part = 0.0;
   normal = scaled(normal, 1.0 / std::sqrt(dot(normal, normal)));
   const Vector3 onward{last_middle_[0] - first_middle_[0], last_middle_[1] - first_middle_[1],
                        last_middle_[2] - first_middle_[2]};

@@ -61,8 +61,8 @@ HoleSlab slab_of(const PatchRow& row, std::uint32_t left, double pitch) {
   slab.s_high = row.s[left + 1] - 0.5 * pitch;
   slab.w_low = row.w[left];
   slab.w_high = row.w[left + 1];
-  slab.first = row.source[left];
-  slab.last = row.source[left + 1];
+  slab.first = row.number(left);
+  slab.last = row.number(left + 1);
   return slab;
 }
 

@@ -33,22 +33,29 @@ bool has(const auto& sorted, std::int64_t column) noexcept {
 
 } // namespace
 
-void Jumps::find_walls(const PatchRow& row, double least) {
+double Jumps::least_rise(const Sampling& sampling, double least_step) noexcept {
   constexpr double kAlmost = 0.99; // what is lower is not steep, however it is rounded
+  return kAlmost * std::max(0.5 * least_wall(sampling), kWallSlope * least_step);
+}
+
+void Jumps::find_walls(const PatchRow& row, const Sampling& sampling) {
   walls_.clear();
+  const double least = least_wall(sampling);
   const double *s = row.s.data(), *w = row.w.data();
   const double high = 0.5 * least;
   const auto is_steep = [&](std::uint32_t k) {
     const double dw = std::abs(w[k + 1] - w[k]);
     return dw > high && dw > kWallSlope * (s[k + 1] - s[k]);
   };
-  high_.resize(row.w.size());
-  const double limit = kAlmost * std::max(high, kWallSlope * row.least_step);
-  const std::size_t count = passes::apart(w + 1, w, limit, high_.data(), row.w.size() - 1);
+  const double limit = least_rise(sampling, row.least_step);
+  std::span<const std::uint32_t> rises = row.rises;
+  if (row.rises_above > limit) {
+    high_.resize(row.w.size());
+    rises = std::span(high_).first(passes::apart(w + 1, w, limit, high_.data(), row.w.size() - 1));
+  }
   auto end = row.ends.begin();
   std::uint32_t after = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::uint32_t k = high_[i];
+  for (const std::uint32_t k : rises) {
     if (k < after) continue; // part of the wall before
     while (k >= *end) ++end;
     const std::uint32_t last = *end - 1;
@@ -63,7 +70,7 @@ void Jumps::find_walls(const PatchRow& row, double least) {
 }
 
 void Jumps::in_line(const PatchRow& row, const Sampling& sampling, std::vector<Cut>& cuts) {
-  find_walls(row, least_wall(sampling));
+  find_walls(row, sampling);
   if (walls_.empty()) return;
   parting_.clear();
   for (const std::uint32_t k : walls_) {

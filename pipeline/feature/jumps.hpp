@@ -14,6 +14,9 @@ namespace scansion {
 /// Thread-bound: holds scratch.
 class Jumps {
 public:
+  /// Rise or fall of an interval, mm, from which it may be part of a wall. `least_step`: none of the row is shorter.
+  [[nodiscard]] static double least_rise(const Sampling& sampling, double least_step) noexcept;
+
   /// Adds the walls of the row to its cuts; a step's cut beside a wall moves to it.
   void in_line(const PatchRow& row, const Sampling& sampling, std::vector<Cut>& cuts);
   /// The same for the columns between `before` and `now`. `next` follows `now`, or is null. Call with successive rows.
@@ -32,7 +35,7 @@ private:
     bool rises = false;
   };
   void find(const PatchRow& before, const PatchRow& now, const Sampling& sampling, std::vector<Wall>& out);
-  void find_walls(const PatchRow& row, double least);
+  void find_walls(const PatchRow& row, const Sampling& sampling);
 
   std::vector<Wall> above_, here_, below_; ///< walls before, between and after the two rows, by column
   bool known_ = false;                     ///< `below_` holds those of the rows that come next

@@ -21,7 +21,7 @@ constexpr std::size_t kDecidedKept = 8;    // of these, decided ones: angles of 
 } // namespace
 
 void LineFinder::add(const Profile& profile, const Sampling& sampling, std::vector<Curve>& out) {
-  if (!columns_) columns_.emplace(sampling);
+  if (!columns_) columns_.emplace(sampling, profile.scale);
   detector_.detect(profile, sampling, points_);
   const std::size_t first = ended_.size();
   tracker_.add(profile, static_cast<std::int64_t>(profile.line), points_, sampling, ended_);

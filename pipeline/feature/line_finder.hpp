@@ -22,7 +22,7 @@ public:
   /// Horizontal part of the up axis: 0 for a sheet that stands upright.
   void set_lean(double lean) noexcept { lean_ = lean; }
 
-  /// The next profile, c ascending, spikes cleaned. Finished curves are added to `out`.
+  /// The next profile, c ascending, spikes cleaned, rises noted; it stands to columns. Finished curves are added to `out`.
   void add(const Profile& profile, const Sampling& sampling, std::vector<Curve>& out);
   /// The scan ends, or goes on somewhere else.
   void finish(const Sampling& sampling, FeatureEnd reason, std::vector<Curve>& out);

@@ -4,6 +4,7 @@
 
 #include "pipeline/model/avx2.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -28,15 +29,26 @@ SCANSION_INLINE void project_body(const std::array<const std::int32_t*, 3>& xyz,
   }
 }
 
+// The same where one axis goes along and the other up.
+SCANSION_INLINE void project_straight_body(const std::int32_t* __restrict x, const std::int32_t* __restrict z, double unit,
+                                           double ex, double mz, double* __restrict s, double* __restrict w,
+                                           std::size_t n) noexcept {
+  for (std::size_t k = 0; k < n; ++k) {
+    s[k] = x[k] * unit * ex;
+    w[k] = z[k] * unit * mz;
+  }
+}
+
 SCANSION_INLINE std::int64_t sum_body(const std::int32_t* values, std::size_t n) noexcept {
   std::int64_t sum = 0;
   for (std::size_t k = 0; k < n; ++k) sum += values[k];
   return sum;
 }
 
-SCANSION_INLINE std::size_t count_back_body(const double* values, std::size_t n) noexcept {
-  std::size_t back = 0;
-  for (std::size_t k = 1; k < n; ++k) back += static_cast<std::size_t>(values[k] <= values[k - 1]);
+template <typename T, typename Count>
+SCANSION_INLINE std::size_t count_back_body(const T* values, std::size_t n) noexcept {
+  Count back = 0; // as wide as values are: fewer instructions
+  for (std::size_t k = 1; k < n; ++k) back += static_cast<Count>(values[k] <= values[k - 1]);
   return back;
 }
 
@@ -63,18 +75,31 @@ SCANSION_INLINE std::size_t bent_or_stepped_body(const float* bend, const float*
   return found;
 }
 
+// Most steps are weak, whole blocks of them.
+SCANSION_INLINE bool all_weak(const float* __restrict b, const float* __restrict c, float weak, std::size_t n) noexcept {
+  std::int32_t strong = 0;
+  for (std::size_t k = 0; k < n; ++k) strong |= static_cast<std::int32_t>(!(std::abs(c[k] - b[k]) <= weak));
+  return strong == 0;
+}
+
 SCANSION_INLINE void mark_walls_body(const std::array<const float*, 4>& rows, const WallLimits& limits, std::uint32_t mark,
                                      std::uint32_t* __restrict marks, std::size_t n) noexcept {
-  const float* __restrict a = rows[0];
-  const float* __restrict b = rows[1];
-  const float* __restrict c = rows[2];
-  const float* __restrict d = rows[3];
+  constexpr std::size_t kTogether = 64;
   const float weak = limits.weak, steep = limits.steep, lonely = limits.lonely;
-  for (std::size_t k = 0; k < n; ++k) {
-    const float step = std::abs(c[k] - b[k]), least = lonely * step;
-    const int goes_on = static_cast<int>(std::abs(b[k] - a[k]) >= least) | static_cast<int>(std::abs(d[k] - c[k]) >= least);
-    const int none = static_cast<int>(step <= weak) | (static_cast<int>(step <= steep) & goes_on);
-    marks[k] = none != 0 ? marks[k] : mark;
+  for (std::size_t from = 0; from < n; from += kTogether) {
+    const float* __restrict a = rows[0] + from;
+    const float* __restrict b = rows[1] + from;
+    const float* __restrict c = rows[2] + from;
+    const float* __restrict d = rows[3] + from;
+    std::uint32_t* const __restrict own = marks + from;
+    const std::size_t count = std::min(kTogether, n - from);
+    if (count == kTogether && all_weak(b, c, weak, kTogether)) continue;
+    for (std::size_t k = 0; k < count; ++k) {
+      const float step = std::abs(c[k] - b[k]), least = lonely * step;
+      const int goes_on = static_cast<int>(std::abs(b[k] - a[k]) >= least) | static_cast<int>(std::abs(d[k] - c[k]) >= least);
+      const int none = static_cast<int>(step <= weak) | (static_cast<int>(step <= steep) & goes_on);
+      own[k] = none != 0 ? own[k] : mark;
+    }
   }
 }
 
@@ -88,63 +113,104 @@ SCANSION_INLINE std::size_t reaching_body(const double* values, double limit, st
   return found;
 }
 
-SCANSION_INLINE Standing standing_body(const double* values, const Grid& grid, std::size_t n) noexcept {
-  const double per_mm = grid.per_mm, origin = values[0] * per_mm;
-  const float low = grid.low, high = grid.high, even = grid.even;
-  std::uint32_t outside = 0, uneven = 0;
-  const auto end = static_cast<std::int32_t>(n);
-  for (std::int32_t k = 0; k < end; ++k) {
-    const auto shift = static_cast<float>(values[k] * per_mm - origin - k);
-    outside |= static_cast<std::uint32_t>(shift < low) | static_cast<std::uint32_t>(shift >= high);
-    uneven |= static_cast<std::uint32_t>(std::abs(shift) > even);
-  }
-  return {outside == 0, uneven == 0};
+using Eight = float __attribute__((vector_size(32))); // where there are no such vectors, several narrower ones
+using EightBits = std::int32_t __attribute__((vector_size(32)));
+using Four = double __attribute__((vector_size(32)));
+using FourFloats = float __attribute__((vector_size(16)));
+constexpr std::size_t kLanes = sizeof(Eight) / sizeof(float);
+
+// (Vectors are handed over by reference: by value they would need the processor that has them.)
+template <typename Vector, typename T>
+SCANSION_INLINE void get(const T* from, Vector& to) noexcept {
+  std::memcpy(&to, from, sizeof to);
 }
 
-SCANSION_INLINE bool sample_block(const double* s, const double* w, const std::uint32_t* number, const ColumnBlocks& blocks,
-                                  double first, float* __restrict height, std::uint32_t* __restrict source) noexcept {
-  constexpr double kMidway = 0.5; // what stands there belongs to the second sample
-  const double pitch = blocks.pitch, base = blocks.base, widest = blocks.widest, jump = blocks.jump, slack = blocks.slack;
-  std::int64_t outside = 0; // in its sign
-  for (std::size_t i = 0; i < ColumnBlocks::kSize; ++i) {
-    const double at = (first + static_cast<std::int32_t>(i)) * pitch, ds = s[i + 1] - s[i], dw = w[i + 1] - w[i];
-    const double share = (at - s[i]) / ds;
-    outside |= std::bit_cast<std::int64_t>(at + slack - s[i]) | std::bit_cast<std::int64_t>(s[i + 1] + slack - at) |
-               std::bit_cast<std::int64_t>(widest - ds) | std::bit_cast<std::int64_t>(jump - std::abs(dw));
-    height[i] = static_cast<float>(w[i] + dw * share - base);
-    const auto behind = static_cast<std::int32_t>(share + kMidway);
-    const std::uint32_t near = number[i], far = number[i + 1];
-    source[i] = behind == 0 ? near : far;
+SCANSION_INLINE Shifts stand_body(const double* s, const double* w, const EvenRow& row, float* shift, float* height,
+                                  std::size_t n) noexcept {
+  const double per_mm = row.per_mm, base = row.base, origin = s[0] * per_mm;
+  constexpr std::size_t kAtOnce = 4;
+  Four number{0.0, 1.0, 2.0, 3.0};
+  FourFloats least{}, largest{}; // that of the first sample is 0
+  std::size_t k = 0;
+  for (; k + kAtOnce <= n; k += kAtOnce, number += static_cast<double>(kAtOnce)) {
+    Four place, upwards;
+    get(s + k, place);
+    get(w + k, upwards);
+    const FourFloats off = __builtin_convertvector(place * per_mm - origin - number, FourFloats);
+    const FourFloats up = __builtin_convertvector(upwards - base, FourFloats);
+    std::memcpy(shift + k, &off, sizeof off);
+    std::memcpy(height + k, &up, sizeof up);
+    least = off < least ? off : least;
+    largest = off > largest ? off : largest;
   }
-  return outside >= 0;
+  Shifts shifts;
+  for (std::size_t l = 0; l < kAtOnce; ++l) {
+    shifts.least = std::min(shifts.least, least[l]);
+    shifts.largest = std::max(shifts.largest, largest[l]);
+  }
+  for (; k < n; ++k) {
+    shift[k] = static_cast<float>(s[k] * per_mm - origin - static_cast<double>(k));
+    height[k] = static_cast<float>(w[k] - base);
+    shifts.least = std::min(shifts.least, shift[k]);
+    shifts.largest = std::max(shifts.largest, shift[k]);
+  }
+  return shifts;
 }
 
-SCANSION_INLINE std::size_t sample_columns_body(const ColumnSamples& samples, const ColumnBlocks& blocks, std::size_t count,
-                                                float* height, std::uint32_t* source) noexcept {
-  const double* const s = samples.s;
+SCANSION_INLINE std::size_t sample_columns_body(const ColumnRun& run, std::uint32_t first, std::size_t count, float* height,
+                                                std::uint32_t* nearest) noexcept {
+  constexpr float kMidway = 0.5F; // what stands there belongs to the second sample
+  constexpr EightBits kSize = EightBits{} + 0x7fffffff;
+  const Eight ahead = Eight{} + run.ahead, slack = Eight{} - run.slack, widest = Eight{} + run.widest,
+              jump = Eight{} + run.jump;
+  EightBits number = EightBits{0, 1, 2, 3, 4, 5, 6, 7} + static_cast<std::int32_t>(first);
   for (std::size_t done = 0; done < count; ++done) {
-    const std::size_t k = done * ColumnBlocks::kSize;
-    const double first = blocks.first + static_cast<double>(k), place = first * blocks.pitch;
-    const bool in_step = k == 0 || (s[k] < place && s[k + 1] >= place);
-    if (!in_step || !sample_block(s + k, samples.w + k, samples.number + k, blocks, first, height + k, source + k)) return done;
+    EightBits outside{};
+    for (std::size_t i = 0; i < ColumnRun::kBlock; i += kLanes) {
+      const std::size_t at = done * ColumnRun::kBlock + i;
+      Eight off, next_off, w, next_w;
+      get(run.shift + at, off);
+      get(run.shift + at + 1, next_off);
+      get(run.height + at, w);
+      get(run.height + at + 1, next_w);
+      const Eight before = ahead - off, step = next_off - off + 1.0F, after = step - before, rise = next_w - w;
+      const Eight share = before / step, up = w + rise * share;
+      std::memcpy(height + at, &up, sizeof up);
+      const EightBits near = number - (share >= kMidway);
+      std::memcpy(nearest + at, &near, sizeof near);
+      number += static_cast<std::int32_t>(kLanes);
+      const Eight size = reinterpret_cast<Eight>(reinterpret_cast<EightBits>(rise) & kSize);
+      outside |= ((before < after ? before : after) < slack) | (step > widest) | (size > jump);
+    }
+    std::array<std::uint64_t, sizeof outside / sizeof(std::uint64_t)> any;
+    std::memcpy(any.data(), &outside, sizeof outside);
+    if ((any[0] | any[1] | any[2] | any[3]) != 0) return done;
   }
   return count;
 }
 
-using Eight = float __attribute__((vector_size(32))); // where there are no such vectors, several narrower ones
+SCANSION_INLINE void add_weighed(const float* row, float weight, Eight& sum) noexcept {
+  Eight values;
+  get(row, values);
+  sum += weight * values;
+}
 
 SCANSION_INLINE void weigh_body(const float* const* rows, const float* weights, std::size_t count, float* to,
                                 std::size_t n) noexcept {
-  constexpr std::size_t kLanes = sizeof(Eight) / sizeof(float);
   std::size_t i = 0;
-  for (; i + kLanes <= n; i += kLanes) {
-    Eight sum{};
+  for (; i + 4 * kLanes <= n; i += 4 * kLanes) { // rows and weights are looked up once for so many
+    Eight a{}, b{}, c{}, d{};
     for (std::size_t k = 0; k < count; ++k) {
-      Eight row;
-      std::memcpy(&row, rows[k] + i, sizeof row);
-      sum += weights[k] * row;
+      const float* const row = rows[k] + i;
+      add_weighed(row, weights[k], a);
+      add_weighed(row + kLanes, weights[k], b);
+      add_weighed(row + 2 * kLanes, weights[k], c);
+      add_weighed(row + 3 * kLanes, weights[k], d);
     }
-    std::memcpy(to + i, &sum, sizeof sum);
+    std::memcpy(to + i, &a, sizeof a);
+    std::memcpy(to + i + kLanes, &b, sizeof b);
+    std::memcpy(to + i + 2 * kLanes, &c, sizeof c);
+    std::memcpy(to + i + 3 * kLanes, &d, sizeof d);
   }
   for (; i < n; ++i) {
     float sum = 0.0F;
@@ -153,16 +219,11 @@ SCANSION_INLINE void weigh_body(const float* const* rows, const float* weights, 
   }
 }
 
-SCANSION_INLINE void lower_body(const double* __restrict from, double base, float* __restrict to, std::size_t n) noexcept {
-  for (std::size_t k = 0; k < n; ++k) to[k] = static_cast<float>(from[k] - base);
-}
-
 #if defined(__x86_64__)
 
 #define SCANSION_AVX2 __attribute__((target("avx2")))
 constexpr std::size_t kBlock = 32; // comparisons whose bits are looked at together: few are set, and are taken one by one
 
-using Four = double __attribute__((vector_size(32)));
 using Bits = std::uint64_t __attribute__((vector_size(32)));
 
 // (The header with the processor's own names is not included: behind it GCC 12 compiles with the options of the precompiled
@@ -195,9 +256,8 @@ SCANSION_AVX2 inline std::size_t put(std::uint32_t bits, std::size_t from, std::
 // The bits of those of a block that are apart.
 template <typename Vector, std::size_t Block, typename T>
 SCANSION_AVX2 inline std::uint32_t apart_bits(const T* a, const T* b, Vector limit) noexcept {
-  constexpr std::size_t kLanes = sizeof(Vector) / sizeof(T);
   std::uint32_t bits = 0;
-  for (std::size_t i = 0; i < Block; i += kLanes) {
+  for (std::size_t i = 0; i < Block; i += sizeof(Vector) / sizeof(T)) {
     bits |= bits_of(reinterpret_cast<Vector>(size_of(load<Vector>(a + i) - load<Vector>(b + i)) > limit)) << i;
   }
   return bits;
@@ -254,15 +314,23 @@ SCANSION_AVX2 void project_avx2(const std::array<const std::int32_t*, 3>& xyz, c
 SCANSION_AVX2 std::int64_t sum_avx2(const std::int32_t* values, std::size_t n) noexcept {
   return sum_body(values, n);
 }
+SCANSION_AVX2 void project_straight_avx2(const std::int32_t* x, const std::int32_t* z, double unit, double ex, double mz,
+                                         double* s, double* w, std::size_t n) noexcept {
+  project_straight_body(x, z, unit, ex, mz, s, w, n);
+}
 SCANSION_AVX2 std::size_t count_back_avx2(const double* values, std::size_t n) noexcept {
-  return count_back_body(values, n);
+  return count_back_body<double, std::uint64_t>(values, n);
 }
-SCANSION_AVX2 Standing standing_avx2(const double* values, const Grid& grid, std::size_t n) noexcept {
-  return standing_body(values, grid, n);
+SCANSION_AVX2 std::size_t count_back_avx2(const std::int32_t* values, std::size_t n) noexcept {
+  return count_back_body<std::int32_t, std::uint32_t>(values, n);
 }
-SCANSION_AVX2 std::size_t sample_columns_avx2(const ColumnSamples& samples, const ColumnBlocks& blocks, std::size_t count,
-                                              float* height, std::uint32_t* source) noexcept {
-  return sample_columns_body(samples, blocks, count, height, source);
+SCANSION_AVX2 Shifts stand_avx2(const double* s, const double* w, const EvenRow& row, float* shift, float* height,
+                                std::size_t n) noexcept {
+  return stand_body(s, w, row, shift, height, n);
+}
+SCANSION_AVX2 std::size_t sample_columns_avx2(const ColumnRun& run, std::uint32_t first, std::size_t count, float* height,
+                                              std::uint32_t* nearest) noexcept {
+  return sample_columns_body(run, first, count, height, nearest);
 }
 SCANSION_AVX2 void weigh_avx2(const float* const* rows, const float* weights, std::size_t count, float* to,
                               std::size_t n) noexcept {
@@ -271,9 +339,6 @@ SCANSION_AVX2 void weigh_avx2(const float* const* rows, const float* weights, st
 SCANSION_AVX2 void mark_walls_avx2(const std::array<const float*, 4>& rows, const WallLimits& limits, std::uint32_t mark,
                                    std::uint32_t* marks, std::size_t n) noexcept {
   mark_walls_body(rows, limits, mark, marks, n);
-}
-SCANSION_AVX2 void lower_avx2(const double* from, double base, float* to, std::size_t n) noexcept {
-  lower_body(from, base, to, n);
 }
 
 #undef SCANSION_AVX2
@@ -292,12 +357,17 @@ std::size_t reaching_avx2(const double* values, double limit, std::uint32_t* ind
 }
 constexpr auto project_avx2 = project_body;
 constexpr auto sum_avx2 = sum_body;
-constexpr auto count_back_avx2 = count_back_body;
-constexpr auto standing_avx2 = standing_body;
+constexpr auto project_straight_avx2 = project_straight_body;
+std::size_t count_back_avx2(const double* values, std::size_t n) noexcept {
+  return count_back_body<double, std::uint64_t>(values, n);
+}
+std::size_t count_back_avx2(const std::int32_t* values, std::size_t n) noexcept {
+  return count_back_body<std::int32_t, std::uint32_t>(values, n);
+}
+constexpr auto stand_avx2 = stand_body;
 constexpr auto sample_columns_avx2 = sample_columns_body;
 constexpr auto weigh_avx2 = weigh_body;
 constexpr auto mark_walls_avx2 = mark_walls_body;
-constexpr auto lower_avx2 = lower_body;
 
 #endif
 
@@ -305,6 +375,11 @@ constexpr auto lower_avx2 = lower_body;
 
 void project(const std::array<const std::int32_t*, 3>& xyz, const Projection& projection, double* s, double* w,
              std::size_t n) noexcept {
+  const auto& [unit, along, up] = projection;
+  const std::size_t axis = along[1] == 0.0 ? 0 : 1;
+  if (along[1 - axis] == 0.0 && up[0] == 0.0 && up[1] == 0.0)
+    return has_avx2() ? project_straight_avx2(xyz[axis], xyz[2], unit, along[axis], up[2], s, w, n)
+                      : project_straight_body(xyz[axis], xyz[2], unit, along[axis], up[2], s, w, n);
   has_avx2() ? project_avx2(xyz, projection, s, w, n) : project_body(xyz, projection, s, w, n);
 }
 
@@ -313,7 +388,10 @@ std::int64_t sum(const std::int32_t* values, std::size_t n) noexcept {
 }
 
 std::size_t count_back(const double* values, std::size_t n) noexcept {
-  return has_avx2() ? count_back_avx2(values, n) : count_back_body(values, n);
+  return has_avx2() ? count_back_avx2(values, n) : count_back_body<double, std::uint64_t>(values, n);
+}
+std::size_t count_back(const std::int32_t* values, std::size_t n) noexcept {
+  return has_avx2() ? count_back_avx2(values, n) : count_back_body<std::int32_t, std::uint32_t>(values, n);
 }
 
 std::size_t apart(const double* a, const double* b, double limit, std::uint32_t* indexes, std::size_t n) noexcept {
@@ -339,22 +417,19 @@ std::size_t reaching(const double* values, double limit, std::uint32_t* indexes,
   return has_avx2() ? reaching_avx2(values, limit, indexes, n) : portable::reaching(values, limit, indexes, n);
 }
 
-Standing standing(const double* values, const Grid& grid, std::size_t n) noexcept {
-  return has_avx2() ? standing_avx2(values, grid, n) : standing_body(values, grid, n);
+Shifts stand(const double* places, const double* heights, const EvenRow& row, float* shift, float* height,
+             std::size_t n) noexcept {
+  return has_avx2() ? stand_avx2(places, heights, row, shift, height, n) : stand_body(places, heights, row, shift, height, n);
 }
 
-std::size_t sample_columns(const ColumnSamples& samples, const ColumnBlocks& blocks, std::size_t count, float* height,
-                           std::uint32_t* source) noexcept {
-  return has_avx2() ? sample_columns_avx2(samples, blocks, count, height, source)
-                    : sample_columns_body(samples, blocks, count, height, source);
+std::size_t sample_columns(const ColumnRun& run, std::uint32_t first, std::size_t count, float* height,
+                           std::uint32_t* nearest) noexcept {
+  return has_avx2() ? sample_columns_avx2(run, first, count, height, nearest)
+                    : sample_columns_body(run, first, count, height, nearest);
 }
 
 void weigh(const float* const* rows, const float* weights, std::size_t count, float* to, std::size_t n) noexcept {
   has_avx2() ? weigh_avx2(rows, weights, count, to, n) : weigh_body(rows, weights, count, to, n);
-}
-
-void lower(const double* from, double base, float* to, std::size_t n) noexcept {
-  has_avx2() ? lower_avx2(from, base, to, n) : lower_body(from, base, to, n);
 }
 
 std::size_t portable::apart(const double* a, const double* b, double limit, std::uint32_t* indexes, std::size_t n) noexcept {

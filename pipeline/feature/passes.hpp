@@ -9,7 +9,8 @@
 
 namespace scansion::passes {
 
-/// From counts to a place along the line and a height: mm per count, then unit vectors. `along` has no part in z.
+/// From counts to a place along the line and a height: mm per count, then unit vectors. `along` has no part in z. Axes that
+/// have no part in either are not looked at.
 struct Projection {
   double resolution = 1.0;
   std::array<double, 3> along{}, up{};
@@ -22,6 +23,7 @@ void project(const std::array<const std::int32_t*, 3>& xyz, const Projection& pr
 
 /// How many of the values are no larger than the one before.
 [[nodiscard]] std::size_t count_back(const double* values, std::size_t n) noexcept;
+[[nodiscard]] std::size_t count_back(const std::int32_t* values, std::size_t n) noexcept;
 
 /// Writes the i with |a[i] - b[i]| > limit to `indexes`, which has room for n, and returns how many they are.
 [[nodiscard]] std::size_t apart(const double* a, const double* b, double limit, std::uint32_t* indexes, std::size_t n) noexcept;
@@ -46,40 +48,36 @@ void mark_walls(const std::array<const float*, 4>& rows, const WallLimits& limit
 /// As apart(), for values[i] >= limit.
 [[nodiscard]] std::size_t reaching(const double* values, double limit, std::uint32_t* indexes, std::size_t n) noexcept;
 
-/// How values stand against an even grid with one of them to each of its steps, the first one at its beginning.
-struct Grid {
+/// How values stand to an even row that begins with the first of them: 1 / step, and what heights are above.
+struct EvenRow {
   double per_mm = 1.0;
-  float low = 0.0F, high = 0.0F; ///< shifts in steps of the grid: none below `low`, and all below `high`?
-  float even = 0.0F;             ///< and none larger than this, up or down?
+  double base = 0.0; ///< mm
 };
-struct Standing {
-  bool inside = false, even = false;
+struct Shifts {
+  float least = 0.0F, largest = 0.0F;
 };
-[[nodiscard]] Standing standing(const double* values, const Grid& grid, std::size_t n) noexcept;
+/// How far each place is from where the row has it, in steps, and each height above the base.
+Shifts stand(const double* places, const double* heights, const EvenRow& row, float* shift, float* height,
+             std::size_t n) noexcept;
 
-/// Columns at (first + i) * pitch, with s[i] before each and s[i + 1] behind it, or hardly on the other side; in blocks.
-struct ColumnBlocks {
-  static constexpr std::size_t kSize = 16;     ///< columns of a block
-  double first = 0.0, pitch = 1.0, base = 0.0; ///< pitch in mm; base: of heights
-  double widest = 0.0, jump = 0.0;             ///< mm between the two samples, up
-  double slack = 0.0;                          ///< mm
+/// A run of samples as stand() has them, and columns one step apart: column i lies `ahead` of the even row's place for sample
+/// i. Limits in steps, but for `jump`.
+struct ColumnRun {
+  static constexpr std::size_t kBlock = 16; ///< columns
+  const float *shift = nullptr, *height = nullptr;
+  float ahead = 0.0F;
+  float slack = 0.0F;  ///< a column may lie so far on the other side of its samples
+  float widest = 0.0F; ///< between the two samples
+  float jump = 0.0F;   ///< mm, up
 };
-/// A run of samples: places, heights, numbers in the scan line.
-struct ColumnSamples {
-  const double *s = nullptr, *w = nullptr;
-  const std::uint32_t* number = nullptr;
-};
-/// Heights of the columns of up to `count` blocks, and the number of the sample nearest to each. Ends before the first block
-/// whose samples do not stand like this, or where another sample is the last one before its first column. In that block
-/// anything may have been written. Returns how many went before it.
-[[nodiscard]] std::size_t sample_columns(const ColumnSamples& samples, const ColumnBlocks& blocks, std::size_t count,
-                                         float* height, std::uint32_t* source) noexcept;
+/// Heights of the columns of up to `count` blocks, each between samples i and i + 1, and the nearer of the two, counted from
+/// `first`. Ends before the first block whose samples do not stand like this; in that block anything may have been written.
+/// Returns how many went before it.
+[[nodiscard]] std::size_t sample_columns(const ColumnRun& run, std::uint32_t first, std::size_t count, float* height,
+                                         std::uint32_t* nearest) noexcept;
 
 /// to[i] = weights[0] * rows[0][i] + weights[1] * rows[1][i] + ..., `count` of them, added in this order.
 void weigh(const float* const* rows, const float* weights, std::size_t count, float* to, std::size_t n) noexcept;
-
-/// to[i] = from[i] - base.
-void lower(const double* from, double base, float* to, std::size_t n) noexcept;
 
 /// The baseline versions of those that are not the same source for both, for tests.
 namespace portable {

@@ -19,18 +19,15 @@ constexpr double kFar = 3.6;        // spacings between rows that have nothing t
 
 } // namespace
 
-void PatchGrower::hold(Profile& profile, const Sampling& sampling) {
+void PatchGrower::hold(Profile& profile) {
   if (profile.size() == 0) return;
-  if (pitch_ == 0.0) {
-    pitch_ = sampling.pitch;
-    base_ = profile.w.front();
-  }
+  pitch_ = profile.scale.pitch;
   PatchRow row;
   if (!spare_.empty()) {
     row = std::move(spare_.back());
     spare_.pop_back();
   }
-  if (row.take(profile, pitch_, base_))
+  if (row.take(profile))
     rows_.push_back(std::move(row));
   else
     spare_.push_back(std::move(row));
@@ -283,12 +280,12 @@ void PatchGrower::measure_ends(const PatchRow& row) {
 }
 
 void PatchGrower::queue_runs(const PatchRow& row) {
-  const bool turned = row.source.front() > row.source.back(); // scanned backwards
+  const bool turned = row.number(0) > row.number(row.s.size() - 1); // scanned backwards
   for (std::size_t i = 0; i < now_.size(); ++i) {
     const Stretch& t = now_[turned ? now_.size() - 1 - i : i];
     PatchRun run;
     run.line = row.line;
-    const std::uint32_t x = row.source[t.first], y = row.source[t.last];
+    const std::uint32_t x = row.number(t.first), y = row.number(t.last);
     run.first = std::min(x, y);
     run.count = std::max(x, y) - run.first + 1;
     run.patch = t.patch;

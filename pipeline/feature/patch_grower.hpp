@@ -19,8 +19,8 @@ class PatchGrower {
 public:
   PatchGrower(const Frame& frame, const Vector3& origin) : closer_(frame, origin) {}
 
-  /// Takes the samples of the profile, which is nobody's afterwards.
-  void hold(Profile& profile, const Sampling& sampling);
+  /// Takes the samples of the profile, which is nobody's afterwards. It must stand to columns, all of them to the same.
+  void hold(Profile& profile);
   /// Assigns the samples of all lines up to c = `complete`.
   void advance(double complete, Cuts& cuts, const Sampling& sampling, FeatureReport& report);
   /// All lines are assigned: closes every patch.
@@ -83,7 +83,7 @@ private:
   std::vector<Cut> in_line_, across_;
   PatchRow last_row_;
   double last_c_ = -1e300;
-  double pitch_ = 0.0, base_ = 0.0; // of columns, and their heights; fixed by the first row
+  double pitch_ = 0.0; // of columns
   std::int64_t row_number_ = 0;
 };
 

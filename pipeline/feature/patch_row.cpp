@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/feature/patch_row.hpp"
 
-#include "pipeline/feature/passes.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -15,43 +13,49 @@ namespace {
 constexpr double kHole = 1.2;   // pitches from a column to its sample
 constexpr double kPhase = 0.27; // of a pitch: samples often stand on columns or midway between them
 
-// How samples stand against columns: one to each, about where the grid from the first sample has them (even), or somewhere.
-passes::Standing standing_of(const std::vector<double>& s, double per_mm) noexcept {
-  constexpr float kEven = 0.25F; // pitches
-  const double origin = s[0] * per_mm;
+// Whether samples stand one to each column.
+bool stands_one_to_each(const Profile& p, double per_mm) noexcept {
+  const double origin = p.s[0] * per_mm;
   const double above = std::floor(origin - kPhase) + kPhase;
-  return passes::standing(
-      s.data(), {per_mm, static_cast<float>(above - origin), static_cast<float>(above + 1.0 - origin), kEven}, s.size());
+  return p.least_shift >= static_cast<float>(above - origin) && p.largest_shift < static_cast<float>(above + 1.0 - origin);
+}
+
+// Whether they stand about where an even row has them.
+bool stands_evenly(const Profile& p) noexcept {
+  constexpr float kEven = 0.25F; // pitches
+  return p.least_shift >= -kEven && p.largest_shift <= kEven;
 }
 
 } // namespace
 
-bool PatchRow::take(Profile& profile, double pitch, double base) {
+bool PatchRow::take(Profile& profile) {
   if (profile.size() == 0) return false;
-  const double per_mm = 1.0 / pitch;
+  const double per_mm = 1.0 / profile.scale.pitch;
   const double first = std::ceil(profile.s.front() * per_mm - kPhase), last = std::floor(profile.s.back() * per_mm + kPhase);
   if (!(last >= first) || last - first >= kMostColumns) return false;
   line = profile.line;
   c = profile.c;
+  in_order = stands_one_to_each(profile, per_mm);
+  least_step = in_order && stands_evenly(profile) ? least_even_step(profile.scale.pitch) : 0.0;
   s.swap(profile.s);
   w.swap(profile.w);
   source.swap(profile.source);
   ends.swap(profile.ends);
+  rises.swap(profile.rises);
+  rises_above = profile.rises_above;
+  height.swap(profile.height);
+  const ColumnScale scale = profile.scale;
+  profile.forget();
   holes.clear();
   first_column = static_cast<std::int64_t>(first);
   const auto columns = static_cast<std::size_t>(last - first) + 1;
   height.resize(columns);
-  const auto [one_to_each, even] = standing_of(s, per_mm);
-  in_order = one_to_each;
-  least_step = one_to_each && even ? 0.5 * pitch : 0.0;
-  if (in_order)
-    passes::lower(w.data(), base, height.data(), columns);
-  else
-    stand_anywhere(pitch, base);
+  if (!in_order) stand_anywhere(scale);
   return true;
 }
 
-void PatchRow::stand_anywhere(double pitch, double base) {
+void PatchRow::stand_anywhere(const ColumnScale& scale) {
+  const double pitch = scale.pitch;
   const auto n = static_cast<std::uint32_t>(s.size());
   const double per_mm = 1.0 / pitch, shift = kPhase + static_cast<double>(first_column) - 1.0;
   standing.assign(height.size(), kNoSample);
@@ -71,7 +75,8 @@ void PatchRow::stand_anywhere(double pitch, double base) {
     } else {
       before = standing[j];
     }
-    height[j] = standing[j] == kNoSample ? std::numeric_limits<float>::quiet_NaN() : static_cast<float>(w[standing[j]] - base);
+    height[j] =
+        standing[j] == kNoSample ? std::numeric_limits<float>::quiet_NaN() : static_cast<float>(w[standing[j]] - scale.base);
   }
 }
 

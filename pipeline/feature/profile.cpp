@@ -11,9 +11,16 @@ namespace scansion {
 
 namespace {
 
+void number_samples(Profile& p) {
+  if (!p.source.empty()) return;
+  p.source.resize(p.size());
+  std::iota(p.source.begin(), p.source.end(), 0U);
+}
+
 void turn_round(Profile& p) {
   std::reverse(p.s.begin(), p.s.end());
   std::reverse(p.w.begin(), p.w.end());
+  number_samples(p);
   std::reverse(p.source.begin(), p.source.end());
   std::vector<double>& distance = p.own_distances();
   std::reverse(distance.begin(), distance.end());
@@ -27,6 +34,7 @@ void turn_round(Profile& p) {
 
 // Keeps the samples that advance. Steps back are folds, overhangs or a device's slips: no function of s.
 void mask_steps_back(Profile& p) {
+  number_samples(p);
   std::vector<double>& distance = p.own_distances();
   std::size_t kept = 0, run = 0;
   double last = 0.0;
@@ -63,6 +71,12 @@ double place_across(const RawLine& line, double resolution, const Vector3& norma
   return c;
 }
 
+// How many samples do not advance. Counts that run along an axis tell it as well as places do, and sooner.
+std::size_t count_back(const RawLine& line, const Frame& frame, const std::vector<double>& s) {
+  if (frame.along[0] == 1.0) return passes::count_back(line.xyz[0].data(), s.size());
+  return passes::count_back(s.data(), s.size());
+}
+
 } // namespace
 
 void make_profile(const RawLine& line, double resolution, const Frame& frame, Profile& out) {
@@ -72,14 +86,14 @@ void make_profile(const RawLine& line, double resolution, const Frame& frame, Pr
   const std::size_t n = line.size();
   out.s.resize(n);
   out.w.resize(n);
-  out.source.resize(n);
+  out.source.clear();
+  out.forget();
   passes::project({line.xyz[0].data(), line.xyz[1].data(), line.xyz[2].data()}, {resolution, frame.along, frame.up},
                   out.s.data(), out.w.data(), n);
-  std::iota(out.source.begin(), out.source.end(), 0U);
   if (n > 0) out.c = place_across(line, resolution, frame.normal);
   out.distance = line.distance;
   out.ends.assign(line.ends.begin(), line.ends.end());
-  const std::size_t back = passes::count_back(out.s.data(), n);
+  const std::size_t back = count_back(line, frame, out.s);
   if (back == 0) return;
   if (2 * back > n - 1) {
     out.turned = true;
@@ -87,6 +101,18 @@ void make_profile(const RawLine& line, double resolution, const Frame& frame, Pr
     if (passes::count_back(out.s.data(), n) == 0) return;
   }
   mask_steps_back(out);
+}
+
+void stand(Profile& profile, const ColumnScale& scale) {
+  if (profile.scale == scale || profile.size() == 0) return;
+  const std::size_t n = profile.size();
+  profile.scale = scale;
+  profile.shift.resize(n);
+  profile.height.resize(n);
+  const passes::Shifts shifts = passes::stand(profile.s.data(), profile.w.data(), {1.0 / scale.pitch, scale.base},
+                                              profile.shift.data(), profile.height.data(), n);
+  profile.least_shift = shifts.least;
+  profile.largest_shift = shifts.largest;
 }
 
 } // namespace scansion

@@ -15,6 +15,7 @@ class RunningMedian {
 public:
   void add(double value);
   [[nodiscard]] bool empty() const noexcept { return count_ == 0; }
+  [[nodiscard]] bool full() const noexcept { return count_ == kLast; }
   [[nodiscard]] double value() const noexcept { return sorted_[count_ / 2]; }
 
 private:
@@ -43,6 +44,7 @@ private:
   double resolution_;
   RunningMedian noise_, pitch_, spacing_;
   std::optional<double> last_c_;
+  std::uint64_t passed_ = 0; // lines since the medians were full
   std::vector<double> scratch_;
 };
 

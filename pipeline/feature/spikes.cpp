@@ -2,28 +2,30 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/feature/spikes.hpp"
 
-#include "pipeline/feature/passes.hpp"
+#include "pipeline/feature/rises.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 namespace scansion {
 
-void clean_spikes(Profile& profile, double noise, ProfileRanker* ranker, std::vector<std::uint32_t>& scratch) {
+double spike_limit(double noise) noexcept {
   constexpr double kSigmas = 7.0;
   constexpr double kLeast = 0.12; // mm
-  const double limit = std::max(kSigmas * noise, kLeast);
-  scratch.resize(profile.size());
-  std::size_t first = 0;
-  for (const std::uint32_t end : profile.ends) {
-    const std::size_t last = end;
-    double* const w = profile.w.data() + first;
+  return std::max(kSigmas * noise, kLeast);
+}
+
+void clean_spikes(Profile& profile, double noise, ProfileRanker* ranker) {
+  const double limit = spike_limit(noise);
+  double* const w = profile.w.data();
+  std::uint32_t first = 0;
+  for (const std::uint32_t last : profile.ends) {
     bool found = false;
     // On both sides of a spike the step is high; cleaning one makes no step higher.
-    const std::size_t count = passes::apart(w + 1, w, limit, scratch.data(), last - first - 1);
-    for (std::size_t i = 1; i < count; ++i) {
-      const std::uint32_t k = scratch[i];
-      if (scratch[i - 1] + 1 != k) continue;
+    const std::span<const std::uint32_t> high = rises_of(profile.rises, first, last);
+    for (std::size_t i = 1; i < high.size(); ++i) {
+      const std::uint32_t k = high[i];
+      if (high[i - 1] + 1 != k) continue;
       const double before = w[k] - w[k - 1], after = w[k] - w[k + 1];
       if (std::min(std::abs(before), std::abs(after)) <= limit) continue;
       if ((before > 0.0) != (after > 0.0) || std::abs(before - after) >= limit) continue;

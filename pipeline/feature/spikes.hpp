@@ -6,8 +6,11 @@
 
 namespace scansion {
 
-/// Replaces the height of samples that stand out from both neighbours on one side. `noise` in mm. Runs that had any are ranked
-/// again by `ranker`, if there is one.
-void clean_spikes(Profile& profile, double noise, ProfileRanker* ranker, std::vector<std::uint32_t>& scratch);
+/// What stands out from its neighbours by less is no spike. `noise` and result in mm.
+[[nodiscard]] double spike_limit(double noise) noexcept;
+
+/// Replaces the height of samples that stand out from both neighbours on one side; rises must be noted. `noise` in mm. Runs
+/// that had any are ranked again by `ranker`, if there is one.
+void clean_spikes(Profile& profile, double noise, ProfileRanker* ranker);
 
 } // namespace scansion

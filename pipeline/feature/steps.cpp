@@ -205,10 +205,12 @@ void measure_step(const Heights& h, std::uint32_t begin, std::uint32_t end, std:
   wall.high = wall.last + std::min(margin(after.gap), high - wall.last);
 }
 
-void find_steps(const Heights& h, std::uint32_t begin, std::uint32_t end, const FitScale& scale, std::vector<FeaturePoint>& out,
-                std::vector<WallRun>& walls) {
+void find_steps(const Heights& h, std::uint32_t begin, std::uint32_t end, std::span<const std::uint32_t> rises,
+                const FitScale& scale, std::vector<FeaturePoint>& out, std::vector<WallRun>& walls) {
   const std::size_t known = walls.size();
-  find_walls(h, begin, end, scale, walls);
+  const WallTest test(scale);
+  WallGrower grower(h, begin, end, test, walls);
+  for (const std::uint32_t k : rises) grower.look_at(k);
   const std::span run = std::span(walls).subspan(known);
   for (std::size_t i = 0; i < run.size(); ++i)
     if (run[i].step) measure_step(h, begin, end, run, i, scale, out);

@@ -75,8 +75,8 @@ void find_walls(const Heights& heights, std::uint32_t begin, std::uint32_t end, 
 void measure_step(const Heights& heights, std::uint32_t begin, std::uint32_t end, std::span<WallRun> walls, std::size_t i,
                   const FitScale& scale, std::vector<FeaturePoint>& out);
 
-/// Both for all steps of a run: adds their edges and its walls.
-void find_steps(const Heights& heights, std::uint32_t begin, std::uint32_t end, const FitScale& scale,
-                std::vector<FeaturePoint>& out, std::vector<WallRun>& walls);
+/// Both for all steps of a run: adds their edges and its walls. `rises`: the sample before each interval that may start a wall.
+void find_steps(const Heights& heights, std::uint32_t begin, std::uint32_t end, std::span<const std::uint32_t> rises,
+                const FitScale& scale, std::vector<FeaturePoint>& out, std::vector<WallRun>& walls);
 
 } // namespace scansion

@@ -23,7 +23,7 @@ TrackPoint track_point(const Profile& profile, std::int64_t step, const FeatureP
   p.step = step;
   p.feature = f;
   p.feature.line = profile.line;
-  p.feature.sample = profile.source[f.k];
+  p.feature.sample = profile.number(f.k);
   return p;
 }
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <vector>
 
 namespace scansion {
 namespace {
@@ -15,8 +16,8 @@ constexpr double kPitch = 0.1; // mm
 constexpr std::uint32_t kSamples = 200;
 
 struct Sampled {
-  std::vector<float> height = std::vector<float>(kSamples + 2, std::nanf(""));
-  std::vector<std::uint32_t> source = std::vector<std::uint32_t>(kSamples + 2, 0);
+  std::vector<float> height;
+  std::vector<std::uint32_t> source;
 };
 
 Profile profile_of(const std::function<double(std::uint32_t)>& s, const std::function<double(double)>& w) {
@@ -30,9 +31,11 @@ Profile profile_of(const std::function<double(std::uint32_t)>& s, const std::fun
   return profile;
 }
 
-Sampled sample(const Profile& profile) {
-  Sampled out;
-  sample_columns(profile, {0.005, kPitch, kPitch}, {kPitch, 0, 1.0}, out.height.data(), out.source.data());
+Sampled sample(Profile& profile, std::size_t columns = kSamples + 2) {
+  Sampled out{std::vector<float>(columns, 77.0F),
+              std::vector<std::uint32_t>(columns, 77)}; // of the row that stood there before
+  stand(profile, {kPitch, 1.0});
+  sample_columns(profile, {0.005, kPitch, kPitch}, {0, columns}, out.height.data(), out.source.data());
   return out;
 }
 
@@ -58,23 +61,23 @@ double ramp(double s) {
 }
 
 TEST(ColumnSamples, evenSamplesBetweenColumns) {
-  const Profile profile = profile_of([](std::uint32_t k) { return 0.137 + kPitch * k; }, ramp);
+  Profile profile = profile_of([](std::uint32_t k) { return 0.137 + kPitch * k; }, ramp);
   expect_between_neighbours(profile, sample(profile), 2, kSamples);
 }
 
 TEST(ColumnSamples, samplesOnColumnsButForRounding) {
-  const Profile profile = profile_of([](std::uint32_t k) { return kPitch * k + (k % 3 == 0 ? 4e-4 : -4e-4); }, ramp);
+  Profile profile = profile_of([](std::uint32_t k) { return kPitch * k + (k % 3 == 0 ? 4e-4 : -4e-4); }, ramp);
   expect_between_neighbours(profile, sample(profile), 1, kSamples - 2);
 }
 
 TEST(ColumnSamples, unevenSamples) {
-  const Profile profile = profile_of([](std::uint32_t k) { return kPitch * k + 0.08 * std::sin(0.7 * k); },
-                                     [](double s) { return 0.5 * std::sin(s); });
+  Profile profile = profile_of([](std::uint32_t k) { return kPitch * k + 0.08 * std::sin(0.7 * k); },
+                               [](double s) { return 0.5 * std::sin(s); });
   expect_between_neighbours(profile, sample(profile), 1, kSamples - 3);
 }
 
 TEST(ColumnSamples, wallsKeepTheHeightsBesideThem) {
-  const Profile profile =
+  Profile profile =
       profile_of([](std::uint32_t k) { return 0.03 + kPitch * k; }, [](double s) { return s < 10.0 ? 1.0 : 6.0; });
   const Sampled seen = sample(profile);
   for (std::size_t j = 1; j < kSamples; ++j)
@@ -85,13 +88,13 @@ TEST(ColumnSamples, nothingIsSeenInHolesAndBeyondTheEnds) {
   Profile profile = profile_of([](std::uint32_t k) { return 0.03 + kPitch * (k < 100 ? k : k + 20); }, ramp);
   const std::vector<std::uint32_t> ends{50, kSamples};
   profile.ends = ends;
-  Sampled out;
-  out.height.resize(kSamples + 30, std::nanf(""));
-  out.source.resize(kSamples + 30);
-  sample_columns(profile, {0.005, kPitch, kPitch}, {kPitch, 0, 1.0}, out.height.data(), out.source.data());
+  const Sampled out = sample(profile, kSamples + 30);
   for (std::size_t j = 0; j < kSamples + 30; ++j) {
     const bool hole = (j >= 100 && j <= 120) || j == 50 || j == 0 || j > kSamples + 19;
     EXPECT_EQ(std::isnan(out.height[j]), hole) << "column " << j;
+    if (j == 0 || j == 50 || j > kSamples + 19) {
+      EXPECT_EQ(out.source[j], 1000U) << "column " << j;
+    }
     if (j >= 100 && j <= 120) {
       EXPECT_EQ(out.source[j], j < 110 ? 1099U : 1100U) << "column " << j;
     }

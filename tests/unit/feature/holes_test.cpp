@@ -171,7 +171,8 @@ TEST(Holes, ARegionWithoutEndIsNone) {
       profile.source.push_back(k);
     }
     profile.ends = {static_cast<std::uint32_t>(profile.s.size())};
-    ASSERT_TRUE(now.take(profile, 0.1, 0.0));
+    stand(profile, {0.1, 0.0});
+    ASSERT_TRUE(now.take(profile));
     if (finder.wants(now)) finder.add({row > 0 ? &above : nullptr, spans}, {&now, spans}, row, 0.1, sampling);
     std::swap(above, now);
   }

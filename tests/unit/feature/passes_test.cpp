@@ -161,21 +161,47 @@ TEST(Passes, CountStepsBack) {
 }
 
 TEST(Passes, TellHowSamplesStand) {
-  const passes::Grid grid{10.0, -0.4F, 0.6F, 0.25F};
   for (std::size_t n = 1; n < kMost; ++n) {
-    std::vector<double> s(n);
-    for (std::size_t k = 0; k < n; ++k) s[k] = 3.0 + 0.1 * static_cast<double>(k);
-    EXPECT_TRUE(passes::standing(s.data(), grid, n).inside && passes::standing(s.data(), grid, n).even) << n;
-    const double right = s[n - 1];
-    if (n == 1) continue; // the first one is where the grid begins
-    s[n - 1] = right + 0.05;
-    EXPECT_TRUE(passes::standing(s.data(), grid, n).inside) << n;
-    EXPECT_FALSE(passes::standing(s.data(), grid, n).even) << n;
-    s[n - 1] = right + 0.07;
-    EXPECT_FALSE(passes::standing(s.data(), grid, n).inside) << n;
-    s[n - 1] = right - 0.05;
-    EXPECT_FALSE(passes::standing(s.data(), grid, n).inside) << n;
+    std::vector<double> s(n), w(n);
+    for (std::size_t k = 0; k < n; ++k) {
+      s[k] = 3.0 + 0.1 * static_cast<double>(k);
+      w[k] = 7.0 - static_cast<double>(k);
+    }
+    const auto middle = static_cast<std::ptrdiff_t>(n / 2);
+    if (n > 1) s[n / 2] += 0.03; // the first one is where the row begins
+    if (n > 2) s[n - 1] -= 0.04;
+    std::vector<float> shift(n), height(n);
+    const passes::Shifts shifts = passes::stand(s.data(), w.data(), {10.0, 2.0}, shift.data(), height.data(), n);
+    for (std::size_t k = 0; k < n; ++k) {
+      EXPECT_EQ(shift[k], static_cast<float>(s[k] * 10.0 - s[0] * 10.0 - static_cast<double>(k))) << n << ' ' << k;
+      EXPECT_EQ(height[k], static_cast<float>(w[k] - 2.0)) << n << ' ' << k;
+    }
+    EXPECT_NEAR(shifts.largest, n > 1 ? shift[static_cast<std::size_t>(middle)] : 0.0F, 1e-5F) << n;
+    EXPECT_NEAR(shifts.least, n > 2 ? shift[n - 1] : 0.0F, 1e-5F) << n;
+    EXPECT_NEAR(shifts.largest, n > 1 ? 0.3F : 0.0F, 1e-5F) << n;
+    EXPECT_NEAR(shifts.least, n > 2 ? -0.4F : 0.0F, 1e-5F) << n;
   }
+}
+
+TEST(Passes, ProjectAlongOneAxisAsAlongAll) {
+  constexpr std::array<std::array<double, 3>, 4> kAlong{{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}}};
+  std::mt19937 random(12);
+  std::uniform_int_distribution<std::int32_t> count(-2'000'000'000, 2'000'000'000);
+  for (const auto& along : kAlong)
+    for (std::size_t n = 0; n < kMost; ++n) {
+      std::array<std::vector<std::int32_t>, 3> xyz;
+      for (auto& axis : xyz)
+        for (std::size_t k = 0; k < n; ++k) axis.push_back(count(random));
+      std::vector<double> s(n), w(n);
+      passes::project({xyz[0].data(), xyz[1].data(), xyz[2].data()}, {0.001, along, {0.0, 0.0, 1.0}}, s.data(), w.data(), n);
+      for (std::size_t k = 0; k < n; ++k) {
+        EXPECT_EQ(s[k], xyz[0][k] * 0.001 * along[0] + xyz[1][k] * 0.001 * along[1]);
+        EXPECT_EQ(w[k], xyz[2][k] * 0.001);
+      }
+      std::size_t back = 0;
+      for (std::size_t k = 1; k < n; ++k) back += static_cast<std::size_t>(xyz[0][k] <= xyz[0][k - 1]);
+      EXPECT_EQ(passes::count_back(xyz[0].data(), n), back);
+    }
 }
 
 } // namespace

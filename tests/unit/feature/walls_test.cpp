@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/unit/feature/scan.hpp"
 
+#include "pipeline/feature/jumps.hpp"
+#include "pipeline/feature/rises.hpp"
+#include "pipeline/feature/spikes.hpp"
 #include "pipeline/feature/steps.hpp"
 
 #include <gtest/gtest.h>
@@ -44,9 +47,44 @@ Found steps_of(const Section& surface, double pitch, double noise_mm) {
     s.push_back(k * pitch);
     w.push_back(surface(s.back()) + noise(random));
   }
+  Profile profile;
+  profile.s = s;
+  profile.w = w;
+  std::vector<std::uint32_t> scratch;
+  note_rises(profile, {noise_mm, pitch, pitch}, scratch);
   Found found;
-  find_steps({s, w}, 0, static_cast<std::uint32_t>(s.size()), FitScale::of(noise_mm, pitch, pitch), found.edges, found.walls);
+  find_steps({s, w}, 0, static_cast<std::uint32_t>(s.size()), profile.rises, FitScale::of(noise_mm, pitch, pitch), found.edges,
+             found.walls);
   return found;
+}
+
+// What is looked for among them is found there, whatever the noise; none leads from one run into the next.
+TEST(Walls, RisesHoldAllThatSpikesWallsAndJumpsLookAt) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> height(-0.5, 0.5);
+  std::vector<std::uint32_t> scratch;
+  for (const double noise : {0.001, 0.005, 0.02, 0.05})
+    for (const double pitch : {0.05, 0.1, 0.5}) {
+      Profile profile;
+      for (std::uint32_t k = 0; k < 400; ++k) {
+        profile.s.push_back(k * pitch);
+        profile.w.push_back(height(random));
+      }
+      profile.ends = {50, 51, 400};
+      const Sampling sampling{noise, pitch, pitch};
+      note_rises(profile, sampling, scratch);
+      const double least = std::min({spike_limit(noise), WallTest(noise).weak, Jumps::least_rise(sampling, 0.5 * pitch)});
+      EXPECT_LE(profile.rises_above, least);
+      std::uint32_t begin = 0;
+      for (const std::uint32_t end : profile.ends) {
+        std::vector<std::uint32_t> expected;
+        for (std::uint32_t k = begin; k + 1 < end; ++k)
+          if (std::abs(profile.w[k + 1] - profile.w[k]) > profile.rises_above) expected.push_back(k);
+        const auto found = rises_of(profile.rises, begin, end);
+        EXPECT_EQ(std::vector<std::uint32_t>(found.begin(), found.end()), expected) << begin;
+        begin = end;
+      }
+    }
 }
 
 TEST(Walls, UprightOnesBetweenRoundingsStandWhereTheyAreSteepest) {
