@@ -18,6 +18,7 @@
 namespace scansion {
 namespace {
 
+constexpr std::string_view kRandomSummary = "forms of random kind, size and place, the same for the same whole number N";
 constexpr std::size_t kFlush = 256U * 1024U; // bytes of text a write
 
 CLI::App* add_options(CLI::App& app, SceneRequest& request) {
@@ -61,6 +62,8 @@ Result<void> list_scenes(bool json) {
     array.push_back({{"scene", scene.name}, {"summary", scene.summary}});
     text += scene.name + std::string(scene.name.size() < 10 ? 10 - scene.name.size() : 1, ' ') + scene.summary + "\n";
   }
+  array.push_back({{"scene", "random:N"}, {"summary", kRandomSummary}});
+  text.append("random:N  ").append(kRandomSummary).append("\n");
   return print(json ? array.dump(2) + "\n" : text);
 }
 

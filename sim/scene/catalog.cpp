@@ -5,6 +5,8 @@
 #include "sim/scene/scenes.hpp"
 
 #include <array>
+#include <charconv>
+#include <optional>
 #include <string>
 
 namespace scansion {
@@ -22,6 +24,15 @@ constexpr std::array kCatalog{
     CatalogEntry{"holes", make_holes},
 };
 
+constexpr std::string_view kRandom = "random:";
+
+std::optional<std::uint64_t> number(std::string_view text) noexcept {
+  std::uint64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
 } // namespace
 
 std::span<const CatalogEntry> scene_catalog() noexcept {
@@ -29,12 +40,17 @@ std::span<const CatalogEntry> scene_catalog() noexcept {
 }
 
 Result<Scene> make_scene(std::string_view name) {
+  if (name.starts_with(kRandom)) {
+    const auto part = number(name.substr(kRandom.size()));
+    if (!part) return fail(Errc::usage, "'", name, "': random: is followed by a whole number, the part's");
+    return make_random(*part);
+  }
   std::string names;
   for (const CatalogEntry& entry : kCatalog) {
     if (entry.name == name) return entry.make();
     names.append(names.empty() ? "" : ", ").append(entry.name);
   }
-  return fail(Errc::usage, "there is no scene '", name, "'; take one of ", names);
+  return fail(Errc::usage, "there is no scene '", name, "'; take one of ", names, ", random:N");
 }
 
 } // namespace scansion

@@ -35,6 +35,9 @@ namespace scansion {
 [[nodiscard]] Scene make_holes();
 [[nodiscard]] Scene make_smooth();
 
+/// Forms of random kind, size and place, the same for the same number (scenes_random.cpp). Named random:PART.
+[[nodiscard]] Scene make_random(std::uint64_t part);
+
 // Lines that are hard on ranking (scenes_adversarial.cpp).
 [[nodiscard]] Scene make_flat();
 [[nodiscard]] Scene make_zigzag();

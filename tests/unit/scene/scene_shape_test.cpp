@@ -108,6 +108,40 @@ TEST(Catalog, NamesAreUniqueAndFound) {
   EXPECT_NE(unknown.error().context.find("freeform"), std::string::npos);
 }
 
+TEST(Catalog, RandomPartsAreMadeOfTheirNumber) {
+  std::set<std::size_t> sizes;
+  for (int part = 0; part < 40; ++part) {
+    const std::string name = "random:" + std::to_string(part);
+    const auto scene = make_scene(name), again = make_scene(name);
+    ASSERT_TRUE(scene) << scene.error().context;
+    EXPECT_EQ(scene.value().name, name);
+    const Scene &a = scene.value(), &b = again.value();
+    ASSERT_GE(a.features.size(), 3U) << name;
+    ASSERT_EQ(a.features.size(), b.features.size());
+    sizes.insert(a.features.size());
+    for (double y = -5.0; y < a.length_y + 5.0; y += 0.31) {
+      for (double x = -5.0; x < a.length_x + 5.0; x += 0.31) {
+        const double z = a.relief(x, y);
+        ASSERT_EQ(z, b.relief(x, y));
+        ASSERT_GE(z, a.relief_low) << name << ' ' << x << ' ' << y;
+        ASSERT_LE(z, a.relief_high) << name << ' ' << x << ' ' << y;
+        // Forms touch no other one; one may stand on another's even middle.
+        std::size_t sloping = 0;
+        for (const Feature& feature : a.features)
+          if (feature.box().holds(x, y))
+            sloping += feature.profile().slope(feature.footprint().distance(x, y)) != 0.0 ? 1U : 0U;
+        ASSERT_LE(sloping, 1U) << name << ' ' << x << ' ' << y;
+      }
+    }
+  }
+  EXPECT_GT(sizes.size(), 3U);
+  for (const char* wrong : {"random:", "random:-1", "random:1x", "random:99999999999999999999"}) {
+    const auto none = make_scene(wrong);
+    ASSERT_FALSE(none) << wrong;
+    EXPECT_EQ(none.error().code, Errc::usage);
+  }
+}
+
 // The ray of a leaning scan plane starts at the upper bound and stops at the lower one, so they must hold, and not by far.
 TEST(Catalog, HeightsAreFiniteAndWithinTheirBounds) {
   for (const CatalogEntry& entry : scene_catalog()) {

@@ -3,6 +3,7 @@
 #include "sim/truth/truth_json.hpp"
 
 #include "sim/scene/catalog.hpp"
+#include "sim/scene/scenes.hpp"
 #include "sim/truth/curves.hpp"
 #include "sim/truth/scan_truth.hpp"
 
@@ -112,8 +113,10 @@ TEST(TrueCurves, ALeaningSheetDoesNotSeeTheFootOfAWallBehindIt) {
 
 // Every curve of every scene lies on its surface, up to the fillet that rounds it.
 TEST(TrueCurves, LieOnTheSurface) {
-  for (const CatalogEntry& entry : scene_catalog()) {
-    const Scene scene = entry.make();
+  std::vector<Scene> scenes;
+  for (const CatalogEntry& entry : scene_catalog()) scenes.push_back(entry.make());
+  for (std::uint64_t part = 0; part < 12; ++part) scenes.push_back(make_random(part));
+  for (const Scene& scene : scenes) {
     ScanPlan plan;
     plan.lines = 40;
     plan.points = 40;
@@ -130,8 +133,8 @@ TEST(TrueCurves, LieOnTheSurface) {
             high = std::max(high, scene.height(p[0] + dx, p[1] + dy));
           }
         }
-        ASSERT_GE(p[2], low - 0.01 - curve.radius_mm) << entry.name;
-        ASSERT_LE(p[2], high + 0.01 + curve.radius_mm) << entry.name;
+        ASSERT_GE(p[2], low - 0.01 - curve.radius_mm) << scene.name;
+        ASSERT_LE(p[2], high + 0.01 + curve.radius_mm) << scene.name;
       }
     }
   }
