@@ -12,7 +12,8 @@ namespace scansion {
 struct ColumnRow {
   double c = 0.0;                ///< mm
   const float* height = nullptr; ///< of each column; not a number: none
-  const float* bend = nullptr;
+  const float* bend = nullptr;   ///< over the least window
+  const float* wide = nullptr;   ///< over the wide one
 };
 
 /// Rows are counted from the oldest one. Points into rows that belong to someone else. Thread-bound.

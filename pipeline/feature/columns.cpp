@@ -52,7 +52,8 @@ bool Columns::make_room(double low, double high) {
   };
   for (std::int64_t r = first_; r < next_; ++r) {
     widen(row(r).height, kNone);
-    if (row(r).screened) widen(row(r).bend, kNone);
+    for (Bends* bends : {&row(r).narrow, &row(r).wide})
+      if (bends->known) widen(bends->of, kNone);
     widen(row(r).source, 0U);
   }
   unknown_.resize(new_width, kNone);
@@ -71,22 +72,23 @@ void Columns::add(const Profile& profile, const Sampling& sampling, std::vector<
   Row& newest = row(r);
   newest.c = profile.c;
   newest.line = profile.line;
-  newest.screened = false;
+  newest.narrow.known = newest.wide.known = false;
   newest.height.resize(width_);
   newest.source.resize(width_);
   rows_.add(view(newest));
   if (rows_.size() > next_ - first_) rows_.drop_oldest();
   sample_columns(profile, sampling, {left_, width_}, newest.height.data(), newest.source.data());
   mark_walls(r, sampling);
-  const auto n = static_cast<std::int64_t>(window_);
-  if (r >= n) screen(r - n, sampling);
+  const auto n = static_cast<std::int64_t>(window_), wide = static_cast<std::int64_t>(wanted_);
+  if (r >= n) screen(r - n, window_, sampling, row(r - n).narrow);
+  if (r >= wide && looks_wide(sampling)) screen(r - wide, wanted_, sampling, row(r - wide).wide);
   const auto late = static_cast<std::int64_t>(lag());
   if (r >= late) harvest(r - late, sampling, out);
 }
 
 void Columns::finish(const Sampling& sampling, std::vector<ColumnPoint>& out) {
   const auto n = static_cast<std::int64_t>(window_), late = static_cast<std::int64_t>(lag());
-  for (std::int64_t r = std::max<std::int64_t>(first_, next_ - n); r < next_; ++r) screen(r, sampling);
+  for (std::int64_t r = std::max<std::int64_t>(first_, next_ - n); r < next_; ++r) screen(r, window_, sampling, row(r).narrow);
   for (std::int64_t r = std::max<std::int64_t>(first_, next_ - late); r < next_; ++r) harvest(r, sampling, out);
 }
 
@@ -109,10 +111,19 @@ bool Columns::has_walls(std::size_t column, std::int64_t from) const noexcept {
   return !trusted_ || static_cast<std::uint32_t>(next_) - marks_[column] < static_cast<std::uint32_t>(next_ - from);
 }
 
+float Columns::least_bend(std::size_t window, const Sampling& sampling) noexcept {
+  const auto n = static_cast<double>(window), length = n * sampling.spacing;
+  const double sigma = sampling.noise * std::sqrt(24.0 / (n * length * length));
+  return std::max(kLeastSlopeChange, static_cast<float>(kLeastSignificance * sigma));
+}
+
+bool Columns::looks_wide(const Sampling& sampling) const noexcept {
+  return wanted_ > window_ && least_bend(window_, sampling) > kLeastSlopeChange;
+}
+
 // Slope after minus slope before for row r: one weighted sum of rows.
-void Columns::screen(std::int64_t r, const Sampling& sampling) {
-  Row& centre = row(r);
-  const auto n = static_cast<std::int64_t>(window_);
+void Columns::screen(std::int64_t r, std::size_t window, const Sampling& sampling, Bends& out) {
+  const auto n = static_cast<std::int64_t>(window);
   // At least two rows a side; fewer than N at the ends of the scan.
   const std::int64_t low = std::max(first_, r - n), high = std::min(next_ - 1, r + n);
   if (r - low < 2 || high - r < 2) return;
@@ -132,10 +143,10 @@ void Columns::screen(std::int64_t r, const Sampling& sampling) {
   };
   add_side(low, r - 1, -1.0);
   add_side(r + 1, high, 1.0);
-  centre.bend.resize(width_);
-  centre.screened = true;
-  rows_.set(r - first_, view(centre));
-  passes::weigh(weighed_.data(), weights_.data(), weights_.size(), centre.bend.data(), width_);
+  out.of.resize(width_);
+  out.known = true;
+  rows_.set(r - first_, view(row(r)));
+  passes::weigh(weighed_.data(), weights_.data(), weights_.size(), out.of.data(), width_);
 }
 
 ColumnPoint Columns::column_point(std::int64_t r, std::size_t column, const FeaturePoint& feature) const {
@@ -150,9 +161,9 @@ ColumnPoint Columns::column_point(std::int64_t r, std::size_t column, const Feat
 }
 
 // The rows that a fit may use: not beyond those that bend half as much themselves, nor beyond steps.
-Reach Columns::rows_of_bend(std::int64_t row, std::size_t column, bool walls) const {
-  const auto reach = static_cast<std::int64_t>(reach_), near = static_cast<std::int64_t>(window_) / 2;
-  const auto bend = [&](std::int64_t k) { return std::abs(rows_[k].bend[column]); };
+Reach Columns::rows_of_bend(std::int64_t row, std::size_t column, const Screen& screen, bool walls) const {
+  const auto reach = static_cast<std::int64_t>(reach_), near = screen.window / 2;
+  const auto bend = [&](std::int64_t k) { return std::abs((rows_[k].*screen.bend)[column]); };
   const float half = 0.5F * bend(row);
   const auto peak = [&](std::int64_t k) {
     return bend(k) >= half && k > 0 && k + 1 < rows_.size() && bend(k) >= bend(k - 1) && bend(k) >= bend(k + 1);
@@ -166,15 +177,15 @@ Reach Columns::rows_of_bend(std::int64_t row, std::size_t column, bool walls) co
   return {static_cast<std::uint32_t>(low), static_cast<std::uint32_t>(high), 0, 0};
 }
 
-void Columns::measure_bend(std::int64_t r, std::size_t column, const Sampling& sampling, const FitScale& scale,
-                           std::vector<ColumnPoint>& out) {
+void Columns::measure_bend(std::int64_t r, std::size_t column, const Screen& screen, const Sampling& sampling,
+                           const FitScale& scale, std::vector<ColumnPoint>& out) {
   constexpr std::uint32_t kFewest = 2; // a side
   const std::int64_t at = r - first_;
   const auto row = static_cast<std::uint32_t>(at);
   // The rows of one rounding see the same edge.
-  if (r < roundings_[column].end && (rows_[at].bend[column] < 0.0F) == roundings_[column].convex) return;
+  if (r < roundings_[column].end && ((rows_[at].*screen.bend)[column] < 0.0F) == roundings_[column].convex) return;
   const bool walls = has_walls(column, std::max(first_, r - static_cast<std::int64_t>(flank_reach_)));
-  Reach reach = rows_of_bend(at, column, walls);
+  Reach reach = rows_of_bend(at, column, screen, walls);
   if (row - reach.before < kFewest || reach.after - row < kFewest) return;
   column_.take(rows_, at, static_cast<std::int64_t>(flank_reach_), column, base_);
   const std::uint32_t k = column_.index(at);
@@ -189,9 +200,9 @@ void Columns::measure_bend(std::int64_t r, std::size_t column, const Sampling& s
   if (!bend || is_part_of_step(*bend, scale)) return;
   if (bend->rounding > 0.0) roundings_[column] = {r + (bend->flank_after - k), bend->tau < 0.0};
   ColumnPoint point = column_point(r, column, make_point(*bend, 0, scale));
-  const auto own = static_cast<double>(std::abs(rows_[at].bend[column]));
+  const auto own = static_cast<double>(std::abs((rows_[at].*screen.bend)[column]));
   point.feature.width =
-      std::log2(std::max(1.0, own * static_cast<double>(window_) * sampling.spacing / 4.0 / least_distance(scale.noise)));
+      std::log2(std::max(1.0, own * static_cast<double>(screen.window) * sampling.spacing / 4.0 / least_distance(scale.noise)));
   out.push_back(point);
 }
 
@@ -252,11 +263,9 @@ void Columns::view_rows() {
 
 void Columns::harvest(std::int64_t r, const Sampling& sampling, std::vector<ColumnPoint>& out) {
   const FitScale scale = FitScale::of(sampling.noise, sampling.spacing, sampling.coarse());
-  const auto n = static_cast<double>(window_);
-  const double length = n * sampling.spacing;
-  const auto least = std::max(kLeastSlopeChange,
-                              static_cast<float>(kLeastSignificance * scale.noise * std::sqrt(24.0 / (n * length * length))));
   const auto near = std::max<std::int64_t>(1, static_cast<std::int64_t>(wanted_) / 2);
+  narrow_ = {&ColumnRow::bend, static_cast<std::int64_t>(window_), near, least_bend(window_, sampling)};
+  wide_ = {&ColumnRow::wide, static_cast<std::int64_t>(wanted_), near, least_bend(wanted_, sampling)};
   const WallTest test(scale);
   rows_.set_test(test);
   trusted_ = true;
@@ -267,23 +276,38 @@ void Columns::harvest(std::int64_t r, const Sampling& sampling, std::vector<Colu
   // Every interval of a wall is larger.
   const auto wall = static_cast<float>(std::max(test.noise, 0.49 * (next.c - centre.c)));
   shown_.resize(width_);
-  const std::size_t shown =
-      passes::bent_or_stepped(centre.bend, centre.height, next.height, {least, wall}, shown_.data(), width_);
+  std::size_t shown =
+      passes::bent_or_stepped(centre.bend, centre.height, next.height, {narrow_.least, wall}, shown_.data(), width_);
   for (const std::uint32_t j : std::span(shown_).first(shown)) {
-    if (std::abs(centre.bend[j]) >= least && bends_most(at, j, near)) measure_bend(r, j, sampling, scale, out);
+    if (std::abs(centre.bend[j]) >= narrow_.least && bends_most(at, j, narrow_))
+      measure_bend(r, j, narrow_, sampling, scale, out);
     if (std::abs(next.height[j] - centre.height[j]) > wall && has_walls(j, r) && rows_.starts_step(at, j))
       measure_step(r, j, scale, out);
   }
+  if (!looks_wide(sampling)) return;
+  constexpr float kNoWall = std::numeric_limits<float>::infinity();
+  shown = passes::bent_or_stepped(centre.wide, centre.height, centre.height, {wide_.least, kNoWall}, shown_.data(), width_);
+  for (const std::uint32_t j : std::span(shown_).first(shown))
+    if (bends_most(at, j, wide_) && !bends_nearby(at, j)) measure_bend(r, j, wide_, sampling, scale, out);
+}
+
+// Whether a row within a wide window bends clearly over the least window.
+bool Columns::bends_nearby(std::int64_t row, std::size_t column) const {
+  const std::int64_t low = std::max<std::int64_t>(0, row - wide_.window), high = std::min(rows_.size() - 1, row + wide_.window);
+  for (std::int64_t k = low; k <= high; ++k)
+    if (std::abs(rows_[k].bend[column]) >= narrow_.least) return true;
+  return false;
 }
 
 // Whether no row within `near` bends more the same way; the first of equal ones does.
-bool Columns::bends_most(std::int64_t row, std::size_t column, std::int64_t near) const {
-  const float own = std::abs(rows_[row].bend[column]), sign = rows_[row].bend[column] < 0.0F ? -1.0F : 1.0F;
-  const std::int64_t low = std::max<std::int64_t>(0, row - near), high = std::min(rows_.size() - 1, row + near);
+bool Columns::bends_most(std::int64_t row, std::size_t column, const Screen& screen) const {
+  const auto bend = [&](std::int64_t k) { return (rows_[k].*screen.bend)[column]; };
+  const float own = std::abs(bend(row)), sign = bend(row) < 0.0F ? -1.0F : 1.0F;
+  const std::int64_t low = std::max<std::int64_t>(0, row - screen.near), high = std::min(rows_.size() - 1, row + screen.near);
   for (std::int64_t k = low; k < row; ++k)
-    if (sign * rows_[k].bend[column] >= own) return false;
+    if (sign * bend(k) >= own) return false;
   for (std::int64_t k = row + 1; k <= high; ++k)
-    if (sign * rows_[k].bend[column] > own) return false;
+    if (sign * bend(k) > own) return false;
   return true;
 }
 

@@ -40,14 +40,25 @@ private:
   static constexpr std::size_t kNarrowest = 2;   // rows
   static constexpr std::size_t kLeastReach = 10; // rows
 
+  /// Slope after minus slope before, of each column.
+  struct Bends {
+    std::vector<float> of;
+    bool known = false;
+  };
   struct Row {
     double c = 0.0;
     double marked_above = 0.0; // noise: walls were marked as with this
     std::uint64_t line = 0;
     std::vector<std::uint32_t> source; // sample of the scan line
     std::vector<float> height;         // NaN where there is none; relative to base_
-    std::vector<float> bend;           // slope after minus slope before, over the least window, once it is known
-    bool screened = false;             // it is known
+    Bends narrow, wide;                // over the least window, and over as many rows as a slope within 1.5 degrees takes
+  };
+  /// What stands out over one window.
+  struct Screen {
+    const float* ColumnRow::*bend = nullptr;
+    std::int64_t window = 2; // rows a side
+    std::int64_t near = 1;   // rows within which the greatest one counts
+    float least = 0.0F;
   };
   /// The last rounding that was found in a column.
   struct Rounding {
@@ -58,19 +69,27 @@ private:
   [[nodiscard]] const Row& row(std::int64_t r) const noexcept { return ring_[static_cast<std::size_t>(r) % ring_.size()]; }
   [[nodiscard]] bool has(std::int64_t r) const noexcept { return r >= first_ && r < next_; }
 
+  /// The least bend that counts over a window of so many rows a side.
+  [[nodiscard]] static float least_bend(std::size_t window, const Sampling& sampling) noexcept;
+  /// Whether noise hides bends from the least window.
+  [[nodiscard]] bool looks_wide(const Sampling& sampling) const noexcept;
   [[nodiscard]] bool make_room(double low, double high);
   void mark_walls(std::int64_t r, const Sampling& sampling);
   [[nodiscard]] bool has_walls(std::size_t column, std::int64_t from) const noexcept;
-  void screen(std::int64_t r, const Sampling& sampling);
+  void screen(std::int64_t r, std::size_t window, const Sampling& sampling, Bends& out);
+  [[nodiscard]] const float* shown(const Bends& bends) const noexcept {
+    return bends.known ? bends.of.data() : unknown_.data();
+  }
   [[nodiscard]] ColumnRow view(const Row& row) const noexcept {
-    return {row.c, row.height.data(), row.screened ? row.bend.data() : unknown_.data()};
+    return {row.c, row.height.data(), shown(row.narrow), shown(row.wide)};
   }
   void view_rows();
   void harvest(std::int64_t r, const Sampling& sampling, std::vector<ColumnPoint>& out);
-  [[nodiscard]] bool bends_most(std::int64_t row, std::size_t column, std::int64_t near) const;
-  void measure_bend(std::int64_t r, std::size_t column, const Sampling& sampling, const FitScale& scale,
+  [[nodiscard]] bool bends_most(std::int64_t row, std::size_t column, const Screen& screen) const;
+  [[nodiscard]] bool bends_nearby(std::int64_t row, std::size_t column) const;
+  void measure_bend(std::int64_t r, std::size_t column, const Screen& screen, const Sampling& sampling, const FitScale& scale,
                     std::vector<ColumnPoint>& out);
-  [[nodiscard]] Reach rows_of_bend(std::int64_t row, std::size_t column, bool walls) const;
+  [[nodiscard]] Reach rows_of_bend(std::int64_t row, std::size_t column, const Screen& screen, bool walls) const;
   void bound_by_steps(std::uint32_t k, const FitScale& scale, Reach& reach);
   [[nodiscard]] bool is_part_of_step(const Bend& bend, const FitScale& scale);
   void measure_step(std::int64_t r, std::size_t column, const FitScale& scale, std::vector<ColumnPoint>& out);
@@ -92,6 +111,7 @@ private:
   std::vector<const float*> weighed_; // rows in slopes
   std::vector<float> weights_;        // of these
   ColumnRows rows_;                   // those held
+  Screen narrow_, wide_;              // of the row that is looked at
   std::vector<std::uint32_t> shown_;  // columns that show something in a row
   Column column_;                     // the one that is looked at
   std::vector<FeaturePoint> found_;

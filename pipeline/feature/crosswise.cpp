@@ -24,6 +24,12 @@ TrackPoint track_point(const ColumnPoint& p) {
   return t;
 }
 
+// The first point of a track at a column or beyond it.
+TrackPoint* at_or_beyond(Track& track, std::int64_t column) {
+  return std::lower_bound(track.points.begin(), track.points.end(), column,
+                          [](const TrackPoint& p, std::int64_t c) { return p.step < c; });
+}
+
 std::size_t index_of(TrackEnd end) noexcept {
   return static_cast<std::size_t>(end);
 }
@@ -59,6 +65,34 @@ CrosswiseLinker::Choice CrosswiseLinker::best_end(const ColumnPoint& point, Trac
       fronts_.visit(point.column + d, look);
   }
   return best;
+}
+
+// Rows come one after the other, so a point of a line aslant may come after those of the columns beside it.
+CrosswiseLinker::Choice CrosswiseLinker::best_gap(const ColumnPoint& point, const Sampling& sampling) {
+  Choice best;
+  gaps_.visit(point.column, [&](std::uint32_t t) {
+    Track& track = live_[t];
+    if (track.convex() != point.feature.convex()) return;
+    const TrackPoint* const behind = at_or_beyond(track, point.column);
+    const TrackPoint& before = behind[-1];
+    if (before.verdict != Verdict::open || behind->verdict != Verdict::open) return;
+    const double dr = behind->r - before.r;
+    const Axis way{before.q, before.w, before.r, (behind->q - before.q) / dr, (behind->w - before.w) / dr, 0.0};
+    const double sigma = std::max(before.feature.sigma_s, behind->feature.sigma_s);
+    const Expectation e = expect(way, point.s, sampling.spacing, sampling.noise, sigma);
+    const auto cost = link_cost(track, before.feature, e, point.feature, point.feature.s, point.feature.w, linking_);
+    if (!cost) return;
+    if (!best.found || *cost < best.cost || (*cost == best.cost && track.id < live_[best.track].id)) best = {t, *cost, true};
+  });
+  return best;
+}
+
+void CrosswiseLinker::insert(std::uint32_t track, const ColumnPoint& point) {
+  Track& t = live_[track];
+  t.points.insert(at_or_beyond(t, point.column), track_point(point));
+  t.means.follow(point.feature);
+  ends_[track].known = {};
+  gaps_.take(track, point.column);
 }
 
 // The axis at the other end looks at some of the same points while the track is short.
@@ -98,6 +132,8 @@ void CrosswiseLinker::bear(const ColumnPoint& point) {
 
 void CrosswiseLinker::extend(std::uint32_t track, TrackEnd end, const ColumnPoint& point) {
   Track& t = live_[track];
+  const std::int64_t last = end == TrackEnd::front ? t.points.front().step : t.points.back().step;
+  for (std::int64_t c = std::min(last, point.column) + 1; c < std::max(last, point.column); ++c) gaps_.put(track, c);
   if (end == TrackEnd::front)
     t.points.push_front(track_point(point));
   else
@@ -107,12 +143,15 @@ void CrosswiseLinker::extend(std::uint32_t track, TrackEnd end, const ColumnPoin
 }
 
 void CrosswiseLinker::join(std::uint32_t into, std::uint32_t from) {
+  for (std::int64_t c = live_[into].points.back().step + 1; c < live_[from].points.front().step; ++c) gaps_.put(into, c);
   live_[into].points.append(live_[from].points);
+  gaps_.hand_over(from, into);
   vacate(from);
   note_growth(into, TrackEnd::back);
 }
 
 void CrosswiseLinker::place(const ColumnPoint& point, const Sampling& sampling) {
+  if (const Choice gap = best_gap(point, sampling); gap.found) return insert(gap.track, point);
   const Choice left = best_end(point, TrackEnd::back, sampling);
   const Choice right = best_end(point, TrackEnd::front, sampling);
   if (left.found && right.found && left.track != right.track) {
@@ -131,6 +170,7 @@ void CrosswiseLinker::vacate(std::uint32_t track) {
   live_[track].points.clear();
   fronts_.take(track);
   backs_.take(track);
+  gaps_.take_all(track);
   latest_[track] = kNever;
   vacant_.push_back(track);
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "pipeline/feature/column_ends.hpp"
+#include "pipeline/feature/column_gaps.hpp"
 #include "pipeline/feature/columns.hpp"
 #include "pipeline/feature/linking.hpp"
 
@@ -38,6 +39,9 @@ private:
     std::array<bool, 2> known{};
   };
   [[nodiscard]] Choice best_end(const ColumnPoint& point, TrackEnd end, const Sampling& sampling);
+  /// The track that has passed over this point.
+  [[nodiscard]] Choice best_gap(const ColumnPoint& point, const Sampling& sampling);
+  void insert(std::uint32_t track, const ColumnPoint& point);
   void place(const ColumnPoint& point, const Sampling& sampling);
   void bear(const ColumnPoint& point);
   void extend(std::uint32_t track, TrackEnd end, const ColumnPoint& point);
@@ -56,6 +60,7 @@ private:
   std::vector<std::uint32_t> vacant_; ///< of these tracks
   std::vector<std::uint32_t> ending_; ///< scratch
   ColumnEnds fronts_, backs_;
+  ColumnGaps gaps_;
   std::uint64_t next_id_ = 1;
 };
 

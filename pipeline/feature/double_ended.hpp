@@ -53,6 +53,14 @@ public:
     --first_;
     ++count_;
   }
+  void insert(const T* at, const T& value) {
+    const auto before = static_cast<std::size_t>(at - begin());
+    make_room(0, 1);
+    T* const to = begin() + before;
+    std::memmove(to + 1, to, (count_ - before) * sizeof(T));
+    std::construct_at(to, value);
+    ++count_;
+  }
   /// Takes the values of another one, which is empty then. Moves the fewer of both.
   void append(DoubleEnded& other) {
     if (count_ < other.count_) {

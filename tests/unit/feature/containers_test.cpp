@@ -1,8 +1,10 @@
-// What tracks are kept in: values that grow at both ends, and tracks by the column they end in.
+// What tracks are kept in: values that grow at both ends, and tracks by the columns they end in or have passed over.
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/feature/column_ends.hpp"
+#include "pipeline/feature/column_gaps.hpp"
 #include "pipeline/feature/double_ended.hpp"
 
+#include <algorithm>
 #include <gtest/gtest.h>
 
 #include <deque>
@@ -38,6 +40,10 @@ TEST(DoubleEnded, HoldsWhatADequeHolds) {
     } else if (choice < 70) {
       values.push_front({i});
       wanted.push_front(i);
+    } else if (choice < 80) {
+      const std::size_t at = random() % (wanted.size() + 1);
+      values.insert(values.begin() + at, {i});
+      wanted.insert(wanted.begin() + static_cast<std::ptrdiff_t>(at), i);
     } else if (choice < 98) {
       if (wanted.empty()) continue;
       values.pop_back();
@@ -102,6 +108,50 @@ TEST(ColumnEnds, FindsEachTrackInItsLastColumnOnly) {
       if (at == column) here.insert(t);
     ends.visit(column, [&](std::uint32_t t) { EXPECT_TRUE(found.insert(t).second); });
     ASSERT_EQ(found, here);
+  }
+}
+
+TEST(ColumnGaps, HoldsWhatASetHolds) {
+  std::mt19937 random(11);
+  constexpr std::uint32_t kTracks = 6;
+  ColumnGaps gaps;
+  std::vector<std::deque<std::int64_t>> wanted(kTracks);
+  for (int i = 0; i < 20'000; ++i) {
+    const auto track = static_cast<std::uint32_t>(random() % kTracks);
+    // Lists are shared every 1024 columns.
+    const std::int64_t column = 1024 * static_cast<std::int64_t>(random() % 3) - 1024 + static_cast<std::int64_t>(random() % 7);
+    std::deque<std::int64_t>& own = wanted[track];
+    const auto at = std::find(own.begin(), own.end(), column);
+    const auto put = [&](std::deque<std::int64_t>& columns, std::int64_t c) {
+      if (columns.size() == 16) columns.pop_front();
+      columns.push_back(c);
+    };
+    const auto choice = random() % 20;
+    if (choice < 12 && at == own.end()) {
+      gaps.put(track, column);
+      put(own, column);
+    } else if (choice < 18 && at != own.end()) {
+      gaps.take(track, column);
+      own.erase(at);
+    } else if (choice == 18) {
+      gaps.take_all(track);
+      own.clear();
+    } else if (choice == 19) {
+      // Two tracks never pass over one column and become one: their columns stand apart.
+      const std::uint32_t other = (track + 1) % kTracks;
+      const bool apart = std::none_of(own.begin(), own.end(), [&](std::int64_t c) {
+        return std::find(wanted[other].begin(), wanted[other].end(), c) != wanted[other].end();
+      });
+      if (!apart) continue;
+      gaps.hand_over(track, other);
+      for (const std::int64_t c : own) put(wanted[other], c);
+      own.clear();
+    }
+    std::multiset<std::uint32_t> seen, there;
+    gaps.visit(column, [&](std::uint32_t t) { seen.insert(t); });
+    for (std::uint32_t t = 0; t < kTracks; ++t)
+      if (std::find(wanted[t].begin(), wanted[t].end(), column) != wanted[t].end()) there.insert(t);
+    ASSERT_EQ(seen, there) << i;
   }
 }
 

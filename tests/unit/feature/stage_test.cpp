@@ -80,6 +80,23 @@ TEST(FeatureStage, FindsEdgesAlongTheLinesToo) {
   EXPECT_NEAR(total, 2.0 * 14.0, 4.0);
 }
 
+// Under noise a bend of 17 degrees shows over wide windows only, and rows give its points in no order of columns: what comes
+// late takes its place between its neighbours. Found in pieces, or in half of the columns, it would not be published.
+TEST(FeatureStage, FindsWeakEdgesThatRunAslantAlongTheLines) {
+  const Surface kink = [](double x, double y) { return 0.3 * std::max(0.0, y - 6.0 - 0.25 * x); };
+  for (const double noise : {5.0, 20.0}) {
+    const FeatureReport report = Scan(kink, noise, 180).run(16);
+    double length = 0.0;
+    for (const FeatureLine& line : report.lines) {
+      EXPECT_EQ(line.type, FeatureType::concave);
+      for (const FeatureVertex& v : line.vertices) EXPECT_NEAR(v.position[1], 6.0 + 0.25 * v.position[0], 0.3);
+      length = std::max(length, line.length_mm);
+    }
+    EXPECT_GT(length, 0.9 * 20.6) << noise; // mm: of one line, of 20.6 in all
+    EXPECT_LE(report.lines.size(), 2U) << noise;
+  }
+}
+
 TEST(FeatureStage, GroupsDoNotChangeWhatIsFound) {
   Scan scan(pocket, 20.0, 150);
   FeatureReport whole = scan.run(64);
