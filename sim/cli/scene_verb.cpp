@@ -42,6 +42,7 @@ CLI::App* add_options(CLI::App& app, SceneRequest& request) {
   command->add_option("--dropouts", plan.dropouts, "share of points that are missing, singly and in bursts");
   command->add_option("--missing-lines", plan.missing_lines, "share of lines that are missing");
   command->add_flag("--zigzag", plan.zigzag, "odd lines are scanned backwards");
+  command->add_option("--backlash", plan.backlash_um, "um by which the points of odd lines are told too far along the line");
   command->add_flag("--truth", request.truth, "also write the ground truth, FILE.truth.json for FILE.xyz");
   command->add_flag("--list", request.list, "list the scenes");
   command->add_flag("--json", request.json, "print a summary on standard output");

@@ -32,6 +32,7 @@ std::string scan_command(const Scene& scene, const ScanPlan& plan) {
   if (plan.dropouts != 0.0) option("--dropouts", shortest(plan.dropouts));
   if (plan.missing_lines != 0.0) option("--missing-lines", shortest(plan.missing_lines));
   if (plan.zigzag) command += " --zigzag";
+  if (plan.backlash_um != 0.0) option("--backlash", shortest(plan.backlash_um));
   return command;
 }
 

@@ -34,6 +34,8 @@ Result<void> check_options(const ScanPlan& plan) {
   SCANSION_TRY(within("--outliers", plan.outliers, 0.0, 1.0, ""));
   SCANSION_TRY(within("--dropouts", plan.dropouts, 0.0, 1.0, ""));
   SCANSION_TRY(within("--missing-lines", plan.missing_lines, 0.0, 1.0, ""));
+  SCANSION_TRY(within("--backlash", plan.backlash_um, -10000.0, 10000.0, " micrometres"));
+  if (plan.backlash_um != 0.0 && !plan.zigzag) return fail(Errc::usage, "--backlash shows in zigzag scans only; add --zigzag");
   if (plan.pitch_mm) {
     SCANSION_TRY(within("--pitch", *plan.pitch_mm, 1e-6, kLargestScan, " mm"));
   }

@@ -27,6 +27,7 @@ struct ScanPlan {
   double dropouts = 0.0;          ///< share of samples that are missing: half of them singly, half in bursts of 2 to 20
   double missing_lines = 0.0;     ///< share of lines that are missing
   bool zigzag = false;            ///< odd lines are scanned backwards
+  double backlash_um = 0.0; ///< of zigzag scans: the points of odd lines are told to lie so far along the line from their place
 };
 
 /// The scan in numbers. Lengths in micrometres, so that whole steps stay exact; the scan window is centred on the part.

@@ -57,7 +57,7 @@ bool SceneScanner::next(SceneLine& line) {
   line.points.resize(samples);
   mark_dropouts(line.index, line.points);
   measure(line);
-  if (plan_.zigzag && line.index % 2 == 1) std::reverse(line.points.begin(), line.points.end());
+  if (plan_.zigzag && deceived_ && line.index % 2 == 1) std::reverse(line.points.begin(), line.points.end());
   count(line);
   return true;
 }
@@ -118,6 +118,8 @@ void SceneScanner::measure(SceneLine& line) const {
   }
   const double first = first_place(middle, geometry_.pitch, count);
   const double t = first_place(0.0, geometry_.spacing, geometry_.lines) + geometry_.spacing * static_cast<double>(line.index);
+  // The machine counts to the same places on its way back, but the carriage is not there yet.
+  const double late = line.index % 2 == 1 ? plan_.backlash_um : 0.0;
   double drift = geometry_.noise > 0.0 ? noise.normal() : 0.0;
   for (std::uint32_t k = 0; k < count; ++k) {
     // Every stream moves on at every sample, so a fault switched on changes nothing else.
@@ -134,7 +136,8 @@ void SceneScanner::measure(SceneLine& line) const {
     }
     ScenePoint& point = line.points[k];
     if (point.state == SampleState::missing) continue;
-    point = place(s, t, disturbance);
+    point = place(s - late, t, disturbance);
+    if (late != 0.0 && deceived_) move_along(point, late);
     if (spike && point.is_there()) point.state = SampleState::outlier;
   }
 }
@@ -170,6 +173,11 @@ ScenePoint SceneScanner::place(double s, double t, double disturbance) const noe
   point.x = count_of(x);
   point.y = count_of(y);
   return point;
+}
+
+void SceneScanner::move_along(ScenePoint& point, double um) const noexcept {
+  point.x = count_of(point.x + um * geometry_.direction.cos);
+  point.y = count_of(point.y + um * geometry_.direction.sin);
 }
 
 /// Where the ray that comes down the leaning plane above (x, y) first meets the part, mm along the plane from z = 0; at a

@@ -49,6 +49,9 @@ public:
   /// The next line into `line`, whose buffer is used again; false after the last.
   [[nodiscard]] bool next(SceneLine& line);
 
+  /// Lines come as they are and not as the machine tells of them: in the order along the line, without backlash.
+  void undeceive() noexcept { deceived_ = false; }
+
   [[nodiscard]] const Scene& scene() const noexcept { return scene_; }
   [[nodiscard]] const ScanGeometry& geometry() const noexcept { return geometry_; }
   /// Of the lines so far.
@@ -63,12 +66,14 @@ private:
   void count(const SceneLine& line) noexcept;
   [[nodiscard]] double texture(std::uint32_t sample, Random& coin) const noexcept;
   [[nodiscard]] ScenePoint place(double s, double t, double disturbance) const noexcept;
+  void move_along(ScenePoint& point, double um) const noexcept;
   [[nodiscard]] double trace(double x, double y) const noexcept;
 
   Scene scene_;
   ScanPlan plan_;
   ScanGeometry geometry_;
   ScanCounts counts_;
+  bool deceived_ = true;
   std::uint32_t line_ = 0;
   std::uint64_t carry_ = 0; // what is left over from handing out samples to lines
   double keep_ = 0.0;       // share of a sample's noise that the next one keeps

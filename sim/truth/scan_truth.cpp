@@ -30,8 +30,8 @@ Result<ScanTruth> ScanTruth::create(Scene scene, const ScanPlan& plan) {
   ScanPlan clean = plan; // keeps the jitter: a sample's place is its true one
   clean.noise_um = 0.0;
   clean.correlated_mm = clean.outliers = clean.dropouts = clean.missing_lines = 0.0;
-  clean.zigzag = false;
   SCANSION_TRY(scanner, SceneScanner::create(std::move(scene), clean));
+  scanner.undeceive();
   return ScanTruth(plan, std::make_unique<SceneScanner>(std::move(scanner)));
 }
 

@@ -116,6 +116,8 @@ TEST(ScanPlans, CommandSaysWhatWasAsked) {
             "scansim scene part --lines 20 --points 30 --pitch 0.1 --spacing 2 --direction -12.5 --tilt 20 "
             "--seed 18446744073709551615 --noise 0.3 --correlated 1 --jitter 0.25 --outliers 0.01 --dropouts 0.02 "
             "--missing-lines 0.03 --zigzag");
+  plan.backlash_um = 50.0;
+  EXPECT_TRUE(scan_command(scene, plan).ends_with("--zigzag --backlash 50"));
 }
 
 } // namespace

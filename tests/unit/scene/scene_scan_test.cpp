@@ -248,6 +248,35 @@ TEST(SceneScan, ZigzagTurnsOddLinesRound) {
   EXPECT_TRUE(same(want, all_lines("part", plan)));
 }
 
+TEST(SceneScan, BacklashMovesWhatOddLinesTell) {
+  ScanPlan plan = small(6, 40);
+  plan.pitch_mm = 0.1;
+  plan.noise_um = 0.0;
+  const auto straight = all_lines("part", plan);
+  plan.zigzag = true;
+  plan.backlash_um = 200.0; // two samples
+  const auto late = all_lines("part", plan);
+  ASSERT_EQ(late.size(), straight.size());
+  for (std::size_t i = 0; i < late.size(); ++i) {
+    const auto& want = straight[i].points;
+    auto got = late[i].points;
+    if (i % 2 == 0) {
+      EXPECT_EQ(got, want) << i;
+      continue;
+    }
+    std::reverse(got.begin(), got.end());
+    for (std::size_t k = 2; k < want.size(); ++k) {
+      EXPECT_EQ(got[k].x, want[k].x);
+      EXPECT_EQ(got[k].y, want[k].y);
+      EXPECT_EQ(got[k].z, want[k - 2].z) << "line " << i << " sample " << k;
+    }
+  }
+  plan.zigzag = false;
+  const auto refused = SceneScanner::create(make_scene("part").value(), plan);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Errc::usage);
+}
+
 TEST(SceneScan, AdversarialLinesAreWhatTheySay) {
   const ScanPlan plan = small(3, 1000);
   for (const SceneLine& line : all_lines("flat", plan)) {

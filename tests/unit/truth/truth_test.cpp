@@ -216,6 +216,18 @@ TEST(TruePatches, FaultsTakeSamplesAwayAndNothingElse) {
   EXPECT_LT(dirty.lines.size(), clean.lines.size());
 }
 
+TEST(TruePatches, BacklashMovesNoTruth) {
+  ScanPlan plan;
+  plan.pitch_mm = plan.spacing_mm = 0.2;
+  plan.zigzag = true;
+  const Truth still = truth_of("channels", plan);
+  plan.backlash_um = 400.0;
+  const Truth moved = truth_of("channels", plan);
+  EXPECT_EQ(still.curves.size(), moved.curves.size());
+  EXPECT_EQ(still.patches.size(), moved.patches.size());
+  EXPECT_NE(still.lines, moved.lines); // the samples of odd lines stand on other places
+}
+
 TEST(TruthJson, GoesThereAndBack) {
   ScanPlan plan;
   plan.pitch_mm = plan.spacing_mm = 0.5;
