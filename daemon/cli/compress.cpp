@@ -21,7 +21,7 @@ struct Options {
   std::string output, format = "auto", unit = "mm", resolution = "auto", levels = "geometric:3", columns, grid = "cols",
                       floor = "off", features = "on";
   std::string device = "file";
-  std::string linking = "soft";
+  std::string linking = "soft", backlash = "report";
   double gap = 0.0, spacing = 1.0, noise = 0.0, noise_correlation = 1.0;
   unsigned threads = 0;
   bool has_gap = false, has_noise = false, json = false, force = false;
@@ -73,6 +73,7 @@ std::uint32_t stream_id(const RecordingFacts& facts) {
 FeatureSettings feature_settings(const Options& o) {
   FeatureSettings settings;
   settings.linking = o.linking == "paper" ? Linking::paper : Linking::soft;
+  settings.backlash = o.backlash == "correct" ? BacklashUse::correct : BacklashUse::report;
   if (o.has_noise) settings.noise_mm = o.noise;
   settings.noise_correlation = o.noise_correlation;
   return settings;
@@ -283,6 +284,10 @@ Verb add_compress(CLI::App& root) {
   app->add_option("--noise-correlation", o->noise_correlation,
                   "The estimate of the noise is multiplied by this; 3 for laser triangulation")
       ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app->add_option("--backlash", o->backlash,
+                  "Of lines to and fro: report it, or correct it where features are looked for (points stay as they are)")
+      ->check(CLI::IsMember({"report", "correct"}))
       ->capture_default_str();
   app->add_option("--threads", o->threads,
                   "Threads for ranking and coding, up to 16; 0: one per processor. Never changes the output")

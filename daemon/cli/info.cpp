@@ -28,6 +28,7 @@ struct Summary {
   std::uint64_t feature_lines = 0, patches = 0;
   double feature_mm = 0.0;
   std::map<std::string_view, std::uint64_t> forms;
+  std::optional<Backlash> backlash;
 };
 
 Result<void> count_findings(RecordingReader& reader, Summary& s) {
@@ -38,6 +39,7 @@ Result<void> count_findings(RecordingReader& reader, Summary& s) {
   }
   s.feature_lines = found.lines.size();
   s.patches = found.patches.size();
+  s.backlash = found.backlash;
   for (const Form& form : found.forms) s.forms[name(form.kind)] += 1;
   return success();
 }
@@ -98,6 +100,12 @@ nlohmann::ordered_json to_json(const RecordingReader& reader, const Summary& s, 
   for (std::size_t k = 0; k < kFeatureTypes; ++k) by_type[std::string(name(static_cast<FeatureType>(k)))] = s.features[k];
   ordered_json forms = ordered_json::object();
   for (const auto& [kind, count] : s.forms) forms[std::string(kind)] = count;
+  ordered_json backlash;
+  if (s.backlash)
+    backlash = {{"mm", s.backlash->mm},
+                {"deviation_mm", s.backlash->deviation_mm},
+                {"taken_off_mm", s.backlash->taken_off_mm},
+                {"places", s.backlash->places}};
   const double points = s.points == 0 ? 1.0 : static_cast<double>(s.points);
   return {{"lines", s.lines},
           {"points", s.points},
@@ -122,6 +130,7 @@ nlohmann::ordered_json to_json(const RecordingReader& reader, const Summary& s, 
           {"feature_mm", std::round(s.feature_mm * 1000) / 1000},
           {"patches", s.patches},
           {"forms", forms},
+          {"backlash", backlash},
           {"device", facts.device},
           {"started", optional_time(facts.started_ns)},
           {"ended", reader.end() ? optional_time(reader.end()->ended_ns) : ordered_json()},
@@ -165,6 +174,9 @@ void print_text(const RecordingReader& reader, const Summary& s, double resoluti
     text = std::to_string(s.patches);
     for (const auto& [kind, count] : s.forms) text += ", " + std::to_string(count) + " " + std::string(kind);
     row("patches", text);
+    if (const auto& b = s.backlash)
+      row("backlash", number(b->mm) + " mm, +-" + number(b->deviation_mm) + ", from " + std::to_string(b->places) +
+                          " places, " + (b->taken_off_mm != 0.0 ? number(b->taken_off_mm) + " mm taken off" : "not taken off"));
   }
   if (facts.started_ns) row("started", time_text(*facts.started_ns));
   if (reader.end() && reader.end()->ended_ns) row("ended", time_text(*reader.end()->ended_ns));

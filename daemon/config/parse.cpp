@@ -173,6 +173,7 @@ std::optional<FeatureSettings> feature_settings(const OptionValues& common) {
   if (!common.flag("features")) return std::nullopt;
   FeatureSettings settings;
   settings.linking = common.text("linking") == "paper" ? Linking::paper : Linking::soft;
+  settings.backlash = common.text("backlash") == "correct" ? BacklashUse::correct : BacklashUse::report;
   settings.noise_mm = common.get<double>("noise");
   settings.noise_correlation = common.get<double>("noise_correlation").value_or(settings.noise_correlation);
   return settings;

@@ -50,6 +50,11 @@ Result<void> check_linking(std::string_view text) {
   return fail(Errc::config, "is none of soft, paper");
 }
 
+Result<void> check_backlash(std::string_view text) {
+  if (text == "report" || text == "correct") return success();
+  return fail(Errc::config, "is none of report, correct");
+}
+
 Result<void> check_driver(std::string_view text) {
   if (find_driver(text) != nullptr) return success();
   std::string known;
@@ -144,6 +149,10 @@ const Section& device_section() noexcept {
        .standard = "soft",
        .meaning = "how points are linked to feature lines: soft, or paper (equality of all classes)",
        .check = check_linking},
+      {.key = "backlash",
+       .standard = "report",
+       .meaning = "of lines to and fro: report, or correct where features are looked for (points stay as they are)",
+       .check = check_backlash},
       {.key = "noise",
        .type = OptionType::number,
        .meaning = "sigma of the heights in mm, measured once on a flat target; without it estimated line by line",

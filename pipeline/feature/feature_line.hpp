@@ -165,6 +165,16 @@ struct Form {
   friend bool operator==(const Form&, const Form&) = default;
 };
 
+/// Of a scan whose lines run to and fro.
+struct Backlash {
+  double mm = 0.0;           ///< by which lines scanned against the first one say that things lie further along it
+  double deviation_mm = 0.0; ///< its uncertainty, one sigma
+  double taken_off_mm = 0.0; ///< from these lines, where features were looked for
+  std::uint64_t places = 0;  ///< of features on three successive lines, from which it was found
+
+  friend bool operator==(const Backlash&, const Backlash&) = default;
+};
+
 /// What the feature stage found out between two groups of lines; everything in it is settled.
 struct FeatureReport {
   std::uint64_t group = 0; ///< the group after whose lines it was made
@@ -173,9 +183,10 @@ struct FeatureReport {
   std::vector<PatchMerge> merges;
   std::vector<Patch> patches;
   std::vector<Form> forms;
+  std::optional<Backlash> backlash; ///< the newest
 
   [[nodiscard]] bool empty() const noexcept {
-    return lines.empty() && runs.empty() && merges.empty() && patches.empty() && forms.empty();
+    return !backlash && lines.empty() && runs.empty() && merges.empty() && patches.empty() && forms.empty();
   }
   void clear() noexcept {
     lines.clear();
@@ -183,6 +194,7 @@ struct FeatureReport {
     merges.clear();
     patches.clear();
     forms.clear();
+    backlash.reset();
   }
   friend bool operator==(const FeatureReport&, const FeatureReport&) = default;
 };

@@ -3,6 +3,7 @@
 #include "pipeline/feature/feature_stage.hpp"
 
 #include "pipeline/feature/averaging.hpp"
+#include "pipeline/feature/backlash_correction.hpp"
 #include "pipeline/feature/junctions.hpp"
 #include "pipeline/feature/line_finder.hpp"
 #include "pipeline/feature/patch_grower.hpp"
@@ -52,10 +53,12 @@ struct FeatureStage::Impl {
   Impl(Rational resolution_mm, const std::array<std::int64_t, 3>& counts, const FeatureSettings& settings)
       : resolution(resolution_mm.value()), estimator(settings, resolution_mm.value()),
         pair_estimator(averaged(settings), resolution_mm.value()), ranker(resolution_mm), finder(settings.linking),
-        publisher(origin_mm(counts, resolution)), origin(origin_mm(counts, resolution)) {}
+        publisher(origin_mm(counts, resolution)), origin(origin_mm(counts, resolution)), backlash(settings.backlash) {}
 
   static void take(const LineGroup& group, const ScanLine& line, std::span<const double> distance, RawLine& out);
   void begin(FeatureReport& report);
+  void learn_backlash();
+  void clean(const Sampling& sampling);
   /// False: the line is left out.
   [[nodiscard]] bool process(const RawLine& line, FeatureReport& report);
   void publish(FeatureReport& report);
@@ -81,6 +84,7 @@ struct FeatureStage::Impl {
   std::optional<PatchGrower> patches;
   std::vector<Curve> curves;
   AlphaSet alpha;
+  BacklashCorrection backlash;
   std::optional<double> last_c;
   std::uint64_t refused = 0; ///< lines at the place of the line before
 };
@@ -113,9 +117,38 @@ void FeatureStage::Impl::begin(FeatureReport& report) {
     average_pairs(profile, estimator.value(), ranker, pairs);
     pair_estimator.add(pairs);
   }
+  if (backlash.corrects()) learn_backlash();
   for (const KeptLine& line : waiting)
     if (process(line.raw(), report)) patches->hold(profile);
   waiting.clear();
+}
+
+// Before the first line is searched for good: a backlash of some pitches tears every line that would begin.
+void FeatureStage::Impl::learn_backlash() {
+  Detector detector;
+  std::vector<FeaturePoint> points;
+  for (const KeptLine& line : waiting) {
+    make_profile(line.raw(), resolution, *frame, profile);
+    if (profile.size() < 2) continue;
+    clean(estimator.value());
+    const Profile& searched = averages ? pairs : profile;
+    detector.detect(searched, looked_at(), points);
+    backlash.learn(searched, points, looked_at());
+  }
+  backlash.end_of_learning(looked_at());
+}
+
+// What is made of places and heights before anything is searched; the pairs too, where they are what is searched.
+void FeatureStage::Impl::clean(const Sampling& sampling) {
+  note_rises(profile, sampling, scratch);
+  clean_spikes(profile, sampling.noise, averages ? nullptr : &ranker);
+  if (!scale) scale = {sampling.pitch, profile.w.front()};
+  stand(profile, *scale);
+  if (!averages) return;
+  average_pairs(profile, sampling, ranker, pairs);
+  note_rises(pairs, looked_at(), scratch);
+  if (!pair_scale) pair_scale = {looked_at().pitch, pairs.w.front()};
+  stand(pairs, *pair_scale);
 }
 
 bool FeatureStage::Impl::process(const RawLine& line, FeatureReport& report) {
@@ -131,22 +164,17 @@ bool FeatureStage::Impl::process(const RawLine& line, FeatureReport& report) {
     patches->restart();
     finder.cuts().restart();
     junctions.restart();
+    backlash.restart();
   } else if (last_c && profile.c - *last_c < kSamePlace * sampling.spacing) {
     ++refused;
     return false;
   }
   last_c = profile.c;
-  note_rises(profile, sampling, scratch);
-  clean_spikes(profile, sampling.noise, averages ? nullptr : &ranker);
-  if (!scale) scale = {sampling.pitch, profile.w.front()};
-  stand(profile, *scale);
-  if (averages) {
-    average_pairs(profile, sampling, ranker, pairs);
-    note_rises(pairs, looked_at(), scratch);
-    if (!pair_scale) pair_scale = {looked_at().pitch, pairs.w.front()};
-    stand(pairs, *pair_scale);
-  }
-  finder.add(averages ? pairs : profile, looked_at(), curves);
+  backlash.apply(profile);
+  clean(sampling);
+  const Profile& searched = averages ? pairs : profile;
+  finder.add(searched, looked_at(), curves);
+  backlash.add(searched, finder.points(), looked_at(), report);
   junctions.add_row(profile);
   // By lines and not by groups: what is found must not depend on how lines are grouped.
   if (finder.has_settled()) publish(report);
@@ -218,6 +246,7 @@ void FeatureStage::finish(FeatureReport& report) {
   m.publish(report);
   m.patches->finish(m.estimator.value(), report);
   m.publish_holes(m.estimator.value(), report);
+  m.backlash.finish(m.looked_at(), report);
 }
 
 } // namespace scansion

@@ -27,6 +27,8 @@ public:
   /// The scan ends, or goes on somewhere else.
   void finish(const Sampling& sampling, FeatureEnd reason, std::vector<Curve>& out);
 
+  /// The points of the last profile, ascending s.
+  [[nodiscard]] std::span<const FeaturePoint> points() const noexcept { return points_; }
   /// Curves may have been finished, and cuts completed, by the last add().
   [[nodiscard]] bool has_settled() const noexcept { return since_settled_ == 0; }
   /// The cuts that patches need, complete up to cuts_complete().

@@ -13,8 +13,15 @@ enum class Linking : std::uint8_t {
   paper ///< the three similarities as equalities (paper, section 5)
 };
 
+/// What becomes of the backlash of scans whose lines run to and fro.
+enum class BacklashUse : std::uint8_t {
+  report,
+  correct ///< taken off where features are looked for, as soon as it is sure
+};
+
 struct FeatureSettings {
   Linking linking = Linking::soft;
+  BacklashUse backlash = BacklashUse::report;
   std::optional<double> noise_mm; ///< sigma of the height, found once on a flat target; empty: estimated line by line
   double noise_correlation = 1.0; ///< the estimate is multiplied by this; 3 for laser triangulation
 

@@ -56,6 +56,7 @@ Findings assemble(FeatureReport report) {
     for (std::uint32_t& id : form.patches) id = merges.root(id);
   }
   found.forms = std::move(report.forms);
+  found.backlash = report.backlash;
   return found;
 }
 

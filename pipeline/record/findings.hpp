@@ -11,6 +11,7 @@ struct Findings {
   std::vector<PatchRun> runs;     ///< by line and first sample; each patch is the one it was merged into at last
   std::vector<Patch> patches;     ///< those that are left, by id
   std::vector<Form> forms;
+  std::optional<Backlash> backlash; ///< as it was told last
 };
 
 /// What to leave aside: a picture of feature lines needs no runs.

@@ -134,6 +134,10 @@ FeatureLine feature_line(const Json& j) {
   return line;
 }
 
+Backlash backlash(const Json& j) {
+  return {real(j.at("along")), real(j.at("deviation")), real(j.at("taken_off")), whole<std::uint64_t>(j.at("places"))};
+}
+
 Patch patch(const Json& j) {
   Patch p;
   p.id = whole<std::uint32_t>(j.at("id"));
@@ -230,6 +234,7 @@ Result<void> parse_features_message(std::string_view text, FeatureReport& report
   return parse(text, "features", [&](const Json& json) {
     report.group = whole<std::uint64_t>(json.at("group"));
     for (const Json& entry : json.at("lines")) report.lines.push_back(feature_line(entry));
+    when(json, "backlash", [&](const Json& v) { report.backlash = backlash(v); });
   });
 }
 

@@ -162,6 +162,21 @@ private:
   Row before_, now_;
 };
 
+std::string backlash_message(std::uint64_t group, const Backlash& backlash) {
+  std::string out = "{\"group\":";
+  put(out, group);
+  out += ",\"lines\":[],\"backlash\":{";
+  put_key(out, "along");
+  put_mm(out, backlash.mm);
+  put_key(out, "deviation");
+  put_mm(out, backlash.deviation_mm);
+  put_key(out, "taken_off");
+  put_mm(out, backlash.taken_off_mm);
+  put_key(out, "places");
+  put(out, backlash.places);
+  return out += "}}";
+}
+
 } // namespace
 
 void append_form(std::string& out, const Form& form, double mm_per_unit) {
@@ -191,7 +206,9 @@ void append_form(std::string& out, const Form& form, double mm_per_unit) {
 std::vector<std::string> features_messages(const FeatureReport& report) {
   Messages messages(report.group);
   for (const FeatureLine& line : report.lines) append_line_entry(messages.entry("lines"), line);
-  return messages.take();
+  std::vector<std::string> texts = messages.take();
+  if (report.backlash) texts.push_back(backlash_message(report.group, *report.backlash));
+  return texts;
 }
 
 std::vector<std::string> patches_messages(const FeatureReport& report) {

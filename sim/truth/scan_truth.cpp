@@ -65,6 +65,7 @@ void ScanTruth::split_line(const SceneLine& clean) {
     const double t = (static_cast<double>(clean.index) + 0.5) / static_cast<double>(geometry.lines);
     first_now_ += clean_->scene().span(t).centre * geometry.window / geometry.pitch;
   }
+  if (clean.index % 2 == 1 && plan_.backlash_um != 0.0) first_now_ -= plan_.backlash_um / geometry.pitch;
   for (std::uint32_t k = 0; k < clean.points.size(); ++k) {
     const ScenePoint& point = clean.points[k];
     if (!point.is_there()) continue;

@@ -34,6 +34,8 @@ struct FeatureOptions {
   std::vector<double> pitches{0.1, 0.2, 0.5}, noises{5.0, 20.0, 50.0}, directions{0.0, 30.0, 90.0};
   std::vector<std::string> faults{"clean", "dirty"};
   bool paper = false; ///< linking = paper
+  double backlash_um = 0.0;
+  bool correct = false; ///< backlash = correct
   bool shorter = false;
   bool rows = false; ///< a row for every scan, not only means
 };

@@ -127,6 +127,8 @@ Result<ScanPlan> plan_of(const FeatureCase& one) {
   if (is("missing")) plan.missing_lines = 0.02;
   if (is("jitter")) plan.jitter = 0.5;
   if (is("zigzag")) plan.zigzag = true;
+  plan.backlash_um = one.backlash_um;
+  if (one.backlash_um != 0.0) plan.zigzag = true;
   if (one.fault == "tilt") plan.tilt_deg = 20.0;
   const bool known = one.fault == "clean" || one.fault == "tilt" || plan.zigzag || plan.jitter > 0.0 ||
                      plan.correlated_mm > 0.0 || plan.outliers > 0.0 || plan.dropouts > 0.0 || plan.missing_lines > 0.0;
@@ -149,6 +151,7 @@ Result<FeatureOutcome> run_case(const FeatureCase& one, const FeatureSettings& s
   const Truth there = truth.finish();
   FeatureOutcome outcome;
   outcome.score = score::judge(there, run.found());
+  outcome.backlash = run.report().backlash;
   outcome.points = run.points();
   outcome.lines = run.report().lines.size();
   outcome.patches = run.report().patches.size();

@@ -19,10 +19,12 @@ struct FeatureCase {
   double noise_um = 5.0;
   double direction_deg = 0.0;
   std::string fault = "clean";
+  double backlash_um = 0.0; ///< other than 0: of a zigzag scan
 };
 
 struct FeatureOutcome {
   score::Score score;
+  std::optional<Backlash> backlash;
   std::uint64_t points = 0, lines = 0, patches = 0;
   double stage_ns = 0.0; ///< processor time of the feature stage a point
 };

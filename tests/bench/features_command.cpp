@@ -114,8 +114,29 @@ std::string name_of(const FeatureCase& one) {
 /// Means by one property of the scans, each under its value.
 using Means = std::map<std::string, Mean>;
 
+/// Estimates of backlash against the truth, in um and in pitches.
+struct BacklashError {
+  double scans = 0.0, stated = 0.0, taken_off = 0.0;
+  double sum_um = 0.0, worst_um = 0.0, worst_pitches = 0.0, worst_sigmas = 0.0, worst_left = 0.0;
+
+  void add(const FeatureCase& one, const std::optional<Backlash>& found) {
+    scans += 1.0;
+    const double um = one.backlash_um;
+    worst_left = std::max(worst_left, std::abs((found ? 1e3 * found->taken_off_mm : 0.0) - um) / (1e3 * one.pitch_mm));
+    if (!found) return;
+    stated += 1.0;
+    if (found->taken_off_mm != 0.0) taken_off += 1.0;
+    const double error = std::abs(1e3 * found->mm - um);
+    sum_um += error;
+    worst_um = std::max(worst_um, error);
+    worst_pitches = std::max(worst_pitches, error / (1e3 * one.pitch_mm));
+    worst_sigmas = std::max(worst_sigmas, error / (1e3 * found->deviation_mm));
+  }
+};
+
 struct Sweep {
   Means by_scene, by_sampling, by_fault;
+  std::map<std::string, BacklashError> backlash;
   Mean all;
 };
 
@@ -131,6 +152,8 @@ Result<void> run_one(const FeatureCase& one, const FeatureSettings& settings, Sw
   for (Mean* mean : {&sweep.by_scene[one.scene], &sweep.by_sampling[sampling.data()], &sweep.by_fault[one.fault], &sweep.all}) {
     mean->add(outcome.score, outcome.stage_ns);
   }
+  for (const std::string& of : {std::string(sampling.data()), std::string("all")})
+    sweep.backlash[of].add(one, outcome.backlash);
   Mean alone;
   alone.add(outcome.score, outcome.stage_ns);
   rows.add(row_of(name_of(one), alone));
@@ -144,6 +167,18 @@ void print_means(const Sweep& sweep, Report& report) {
     for (const auto& [name, mean] : *means) table.add(row_of(name, mean));
   }
   table.add(row_of("all", sweep.all));
+  report.print(table);
+}
+
+void print_backlash(const Sweep& sweep, Report& report) {
+  Table table("Backlash against the truth",
+              {"scans", "of", "stated", "taken off", "error um", "worst um", "worst pitches", "worst sigmas", "left pitches"},
+              "Of the estimates when scans end; left: the most that is not taken off, or too much.");
+  for (const auto& [name, e] : sweep.backlash) {
+    table.add({name, Figure{e.scans, 0}, Figure{e.stated, 0}, Figure{e.taken_off, 0},
+               Figure{e.stated > 0.0 ? e.sum_um / e.stated : 0.0, 1}, Figure{e.worst_um, 1}, Figure{e.worst_pitches, 2},
+               Figure{e.worst_sigmas, 1}, Figure{e.worst_left, 2}});
+  }
   report.print(table);
 }
 
@@ -225,6 +260,7 @@ Result<void> run_features(const FeatureOptions& asked, Report& report) {
   const FeatureOptions o = completed(asked);
   FeatureSettings settings;
   if (o.paper) settings.linking = Linking::paper;
+  if (o.correct) settings.backlash = BacklashUse::correct;
   Sweep sweep;
   Table rows("Feature lines and patches against the truth, every scan", kColumns);
   Smooth smooth;
@@ -233,9 +269,9 @@ Result<void> run_features(const FeatureOptions& asked, Report& report) {
       for (const double direction : o.directions) {
         for (const std::string& fault : o.faults) {
           for (const std::string& scene : o.scenes) {
-            SCANSION_TRY(run_one({scene, pitch, noise, direction, fault}, settings, sweep, rows));
+            SCANSION_TRY(run_one({scene, pitch, noise, direction, fault, o.backlash_um}, settings, sweep, rows));
           }
-          SCANSION_TRY(featureless, run_case({"smooth", pitch, noise, direction, fault}, settings));
+          SCANSION_TRY(featureless, run_case({"smooth", pitch, noise, direction, fault, o.backlash_um}, settings));
           smooth.worst_mm = std::max(smooth.worst_mm, featureless.score.false_mm);
           smooth.forms += score::sum_of(featureless.score.forms).said;
           smooth.scans += 1.0;
@@ -246,6 +282,7 @@ Result<void> run_features(const FeatureOptions& asked, Report& report) {
   if (o.rows) report.print(rows);
   print_means(sweep, report);
   print_forms(sweep, report);
+  if (o.correct || o.backlash_um != 0.0) print_backlash(sweep, report);
   print_judgement(sweep, smooth, report);
   return success();
 }

@@ -39,6 +39,8 @@ CLI::App* add_features(CLI::App& root, FeatureOptions& f, bool& json, bool& chec
                   "clean, dirty, tilt, zigzag, correlated, outliers, dropouts, missing, jitter, or all for each of them")
       ->delimiter(',');
   app->add_flag("--paper", f.paper, "Link by the paper's rules");
+  app->add_option("--backlash", f.backlash_um, "um, of zigzag scans");
+  app->add_flag("--correct", f.correct, "Backlash is taken off");
   app->add_flag("--short", f.shorter, "A few scans only");
   app->add_flag("--rows", f.rows, "A row for every scan");
   app->add_flag("--json", json, "Print JSON");

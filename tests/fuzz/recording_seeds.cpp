@@ -25,6 +25,7 @@ RecordingFacts facts_of(std::uint32_t levels) {
 FeatureReport report_of(std::uint32_t group) {
   FeatureReport report;
   report.group = group;
+  report.backlash = Backlash{0.05, 0.002, 0.0, 40};
   const std::uint64_t first = std::uint64_t{5} * group;
   for (std::uint64_t k = 0; k < 2; ++k) {
     FeatureLine line;

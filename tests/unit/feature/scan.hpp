@@ -68,6 +68,11 @@ public:
     nothing_ = std::move(nothing);
     return *this;
   }
+  /// Points of odd lines are told so far along the line from where they are.
+  Scan& backlash(double mm) {
+    backlash_ = mm;
+    return *this;
+  }
   Scan& seed(std::uint32_t value) {
     seed_ = value;
     return *this;
@@ -88,7 +93,7 @@ public:
       LineBuffer line;
       for (std::uint32_t k = 0; k < points_; ++k) {
         const std::uint32_t j = zigzag && i % 2 == 1 ? points_ - 1 - k : k;
-        const double x = 0.1 * j, y = 0.1 * i, z = 1000 * surface_(x, y) + noise_(random);
+        const double x = 0.1 * j, y = 0.1 * i, z = 1000 * surface_(i % 2 == 1 ? x - backlash_ : x, y) + noise_(random);
         if ((missing_ && (*missing_)(random)) || (nothing_ && nothing_(x, y))) continue;
         line.xyz[0].push_back(static_cast<std::int32_t>(std::lround(1000 * x)));
         line.xyz[1].push_back(static_cast<std::int32_t>(std::lround(1000 * y)));
@@ -109,6 +114,7 @@ private:
   std::normal_distribution<double> noise_;
   std::optional<std::bernoulli_distribution> missing_;
   std::uint32_t seed_ = 7;
+  double backlash_ = 0.0;
   std::uint32_t lines_, points_;
 };
 

@@ -62,6 +62,7 @@ FeatureReport full_report() {
   patch.doubtful = true;
   report.patches = {patch};
   report.forms = {{FormKind::slot, {1, 2}, 0.875}, {FormKind::hole, {1}, 0.75, HoleSize{{1.5, -2.0, 0.25}, 4.0, 3.5, 9.25, 2}}};
+  report.backlash = Backlash{0.125, 0.0015, -0.125, 321};
   return report;
 }
 
@@ -105,6 +106,7 @@ TEST(Notes, DamagedTextIsRefused) {
   const std::string patches = patches_messages(full_report()).front();
   FeatureReport report;
   for (const char* bad : {"", "null", "[]", "{}", R"({"group":-1,"lines":[]})", R"({"group":1,"lines":[{}]})",
+                          R"({"group":1,"lines":[],"backlash":{"along":1}})", R"({"group":1,"lines":[],"backlash":3})",
                           R"({"group":1,"lines":7})", R"({"group":1e300,"lines":[]})"}) {
     EXPECT_FALSE(parse_features_message(bad, report)) << bad;
   }
