@@ -119,8 +119,9 @@ TEST(Catalog, RandomPartsAreMadeOfTheirNumber) {
     ASSERT_GE(a.features.size(), 3U) << name;
     ASSERT_EQ(a.features.size(), b.features.size());
     sizes.insert(a.features.size());
-    for (double y = -5.0; y < a.length_y + 5.0; y += 0.31) {
-      for (double x = -5.0; x < a.length_x + 5.0; x += 0.31) {
+    for (int i = -16; i < 150; ++i) {
+      for (int j = -16; j < 180; ++j) {
+        const double x = 0.31 * j, y = 0.31 * i;
         const double z = a.relief(x, y);
         ASSERT_EQ(z, b.relief(x, y));
         ASSERT_GE(z, a.relief_low) << name << ' ' << x << ' ' << y;
