@@ -70,10 +70,13 @@ void Cuts::take_track(const Track& track, double settled) {
     }
     if (c <= taken_ || c > settled) continue;
     const auto push_end = [&](bool back) {
-      const std::size_t inner = back ? (i >= 4 ? i - 4 : 0) : std::min(n - 1, i + 4);
-      const double ds = s - track.s_of(track.points[inner]), dc = c - track.c_of(track.points[inner]);
-      const double length = std::hypot(ds, dc);
-      if (length > 0.0) ends_.push_back({s, c, ds / length, dc / length, kind_of(p.feature), id});
+      const auto from = [&](std::size_t points) {
+        const TrackPoint& inner = track.points[back ? i - std::min(i, points) : std::min(n - 1, i + points)];
+        const double ds = s - track.s_of(inner), dc = c - track.c_of(inner), length = std::hypot(ds, dc);
+        return length > 0.0 ? PlanDirection{ds / length, dc / length} : PlanDirection{};
+      };
+      const PlanDirection on = from(4);
+      if (on.ds != 0.0 || on.dc != 0.0) ends_.push_back({s, c, on, from(16), kind_of(p.feature), id});
     };
     if (i == 0 || !cuts(track.points[i - 1])) push_end(false);
     if (i + 1 == n ? !track.growing : !cuts(track.points[i + 1])) push_end(true);
@@ -116,15 +119,35 @@ double Cuts::ahead_of(const End& end, double u) const {
     if (target.owned->track == end.track) continue;
     if (g.c1 < end.c - nearest || g.c0 > end.c + nearest) continue;
     const double ls = g.s1 - g.s0, lc = g.c1 - g.c0;
-    const double across = end.ds * lc - end.dc * ls;
+    const double across = end.on.ds * lc - end.on.dc * ls;
     if (std::abs(across) < 1e-12) continue;
     const double t = ((g.s0 - end.s) * lc - (g.c0 - end.c) * ls) / across;
-    const double along = ((g.s0 - end.s) * end.dc - (g.c0 - end.c) * end.ds) / across;
+    const double along = ((g.s0 - end.s) * end.on.dc - (g.c0 - end.c) * end.on.ds) / across;
     if (t <= 0.0 || t >= nearest || along < 0.0 || along > 1.0) continue;
     nearest = t;
     met = true;
   }
   return met ? nearest + 0.5 * u : kReach * u;
+}
+
+// Columns show nothing beside the first and the last scan line, nor lines beside their ends. What ends there goes on over the
+// border, however flat it runs out; 0: it does not.
+double Cuts::way_out(const End& end, const Sampling& sampling) const noexcept {
+  constexpr double kBlind = 6.0; // spacings, or pitches
+  constexpr double kMost = 20.0; // coarse steps
+  const double most = kMost * sampling.coarse();
+  const auto way = [&](double room, double step, double share) {
+    if (share == 0.0 || room > kBlind * step) return 0.0;
+    const double on = (std::max(0.0, room) + 0.5 * step) / std::abs(share);
+    return on <= most ? on : 0.0;
+  };
+  if (lines_.empty()) return 0.0;
+  const auto [ds, dc] = end.course;
+  const double across = way(dc < 0.0 ? end.c - first_c_ : lines_.back().c - end.c, sampling.spacing, dc);
+  const auto line =
+      std::lower_bound(lines_.begin(), lines_.end() - 1, end.c, [](const LineExtent& l, double c) { return l.c < c; });
+  const double along = way(ds < 0.0 ? end.s - line->low : line->high - end.s, sampling.pitch, ds);
+  return across == 0.0 || along == 0.0 ? across + along : std::min(across, along);
 }
 
 void Cuts::extend(const End& end, const Sampling& sampling) {
@@ -143,7 +166,7 @@ void Cuts::extend(const End& end, const Sampling& sampling) {
     const double s = g.s0 + t * ls, c = g.c0 + t * lc;
     const double gap = std::sqrt((s - end.s) * (s - end.s) + (c - end.c) * (c - end.c));
     if (gap > reach) continue;
-    const double ahead = (s - end.s) * end.ds + (c - end.c) * end.dc;
+    const double ahead = (s - end.s) * end.on.ds + (c - end.c) * end.on.dc;
     if (gap > 0.5 * u && ahead < 0.0) continue;
     const double cost = gap * (ahead > 0.7 * gap ? 1.0 : kSideways);
     if (cost < best) {
@@ -154,8 +177,11 @@ void Cuts::extend(const End& end, const Sampling& sampling) {
   }
   const bool joined = best < std::numeric_limits<double>::infinity();
   if (joined) add(end.s, end.c, best_s, best_c, end.kind, false, end.track);
-  const double on = joined ? kJoined * u : ahead_of(end, u);
-  add(end.s, end.c, end.s + on * end.ds, end.c + on * end.dc, end.kind, false, end.track);
+  const auto go = [&](const PlanDirection& way, double on) {
+    add(end.s, end.c, end.s + on * way.ds, end.c + on * way.dc, end.kind, false, end.track);
+  };
+  go(end.on, joined ? kJoined * u : ahead_of(end, u));
+  if (const double out = joined ? 0.0 : way_out(end, sampling); out > 0.0) go(end.course, out);
 }
 
 // What was made falls in with what is coming; most of it comes last.
@@ -183,6 +209,7 @@ void Cuts::take(std::span<Track* const> tracks, double settled, const Sampling& 
   for (auto it = ready; it != ends_.end(); ++it) extend(*it, sampling);
   ends_.erase(ready, ends_.end());
   keep();
+  while (lines_.size() > 1 && lines_.front().c < settled - 2.0 * reach) lines_.pop_front();
 }
 
 double Cuts::complete(double settled, const Sampling& sampling) const noexcept {

@@ -5,7 +5,9 @@
 #include "pipeline/feature/sampling.hpp"
 #include "pipeline/feature/track.hpp"
 
+#include <algorithm>
 #include <cstdint>
+#include <deque>
 #include <span>
 #include <vector>
 
@@ -35,6 +37,11 @@ public:
   /// Takes the kept stretches of tracks up to c = `settled`, each piece once; ends are made longer when what is near them is
   /// known too. Call with the same tracks as Union::decide, after it.
   void take(std::span<Track* const> tracks, double settled, const Sampling& sampling);
+  /// The scan line at c has come, from s = `low` to `high`.
+  void see(double c, double low, double high) {
+    first_c_ = std::min(first_c_, c);
+    lines_.push_back({c, low, high});
+  }
   /// Cuts are complete up to here.
   [[nodiscard]] double complete(double settled, const Sampling& sampling) const noexcept;
   /// The cuts of the line at c, and of the columns (at multiples of `pitch`) between `last_c` and c, in order of place. Lines
@@ -44,6 +51,8 @@ public:
   /// The scan goes on somewhere else.
   void restart() noexcept {
     taken_ = -1e300;
+    first_c_ = 1e300;
+    lines_.clear();
     coming_.clear();
     next_ = 0;
     passing_.clear();
@@ -51,8 +60,13 @@ public:
   }
 
 private:
+  /// Of length 1, or 0: unknown.
+  struct PlanDirection {
+    double ds = 0.0, dc = 0.0;
+  };
   struct End {
-    double s = 0.0, c = 0.0, ds = 0.0, dc = 0.0; // outwards
+    double s = 0.0, c = 0.0;
+    PlanDirection on, course; // outwards: over the last points; over more of them
     BorderKind kind = BorderKind::convex;
     std::uint64_t track = 0;
   };
@@ -70,15 +84,21 @@ private:
   [[nodiscard]] std::span<const Target> targets_near(double s, double reach) const;
   void extend(const End& end, const Sampling& sampling);
   [[nodiscard]] double ahead_of(const End& end, double u) const;
+  [[nodiscard]] double way_out(const End& end, const Sampling& sampling) const noexcept;
   void add(double s0, double c0, double s1, double c1, BorderKind kind, bool backed, std::uint64_t track);
 
   void keep();
 
   double taken_ = -1e300;
-  std::vector<Owned> coming_;  ///< ahead of the lines asked for, ascending c0 ...
-  std::size_t next_ = 0;       ///< ... from here on
-  std::vector<Owned> passing_; ///< begun and not yet behind them
-  std::vector<End> ends_;      ///< waiting for what is near them
+  double first_c_ = 1e300; ///< of the first scan line
+  struct LineExtent {
+    double c = 0.0, low = 0.0, high = 0.0;
+  };
+  std::deque<LineExtent> lines_; ///< those at which ends may still wait, and the newest
+  std::vector<Owned> coming_;    ///< ahead of the lines asked for, ascending c0 ...
+  std::size_t next_ = 0;         ///< ... from here on
+  std::vector<Owned> passing_;   ///< begun and not yet behind them
+  std::vector<End> ends_;        ///< waiting for what is near them
   // While ends are made longer:
   std::vector<Target> targets_; ///< by low_s
   double widest_ = 0.0;         ///< mm along the lines, of the targets

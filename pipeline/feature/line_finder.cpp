@@ -32,6 +32,7 @@ void LineFinder::add(const Profile& profile, const Sampling& sampling, std::vect
   column_points_.clear();
   columns_->add(profile, sampling, column_points_);
   rows_.push_back(profile.c);
+  if (profile.size() > 0) cuts_.see(profile.c, profile.s.front(), profile.s.back());
   if (rows_.size() > columns_->lag() + 1) rows_.erase(rows_.begin());
   const double harvested = rows_.size() > columns_->lag() ? rows_.front() : -std::numeric_limits<double>::infinity();
   crosswise_.add(column_points_, columns_->pitch(), harvested - 2.0 * sampling.spacing, sampling, ended_);

@@ -155,12 +155,12 @@ private:
         if (slender) return vee(either_way(half * between(0.4, 1.1)), half);
         return wall(height, half);
       case 1: { // a chamfer around the top, where there is room for one
-      const double leg = between(0.5, 0.9), low = height > 0.0 ? height - leg : -leg;
-      if (leg > 0.5 * std::min(std::fabs(height), half)) return wall(height, half);
-      if (height > 0.0) return Profile{{-half, height}, {-leg, height}, {0.0, low}, {0.0, 0.0}};
-      return Profile{{-half, height}, {-leg, height}, {-leg, low}, {0.0, 0.0}};
-    }
-    default: return wall(height, half);
+        const double leg = between(0.5, 0.9), low = height > 0.0 ? height - leg : -leg;
+        if (leg > 0.5 * std::min(std::fabs(height), half)) return wall(height, half);
+        if (height > 0.0) return Profile{{-half, height}, {-leg, height}, {0.0, low}, {0.0, 0.0}};
+        return Profile{{-half, height}, {-leg, height}, {-leg, low}, {0.0, 0.0}};
+      }
+      default: return wall(height, half);
     }
   }
 

@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/unit/feature/scan.hpp"
 
+#include <array>
 #include <gtest/gtest.h>
-
+#include <map>
 #include <set>
 
 namespace scansion {
@@ -94,6 +95,30 @@ TEST(FeatureStage, FindsWeakEdgesThatRunAslantAlongTheLines) {
     }
     EXPECT_GT(length, 0.9 * 20.6) << noise; // mm: of one line, of 20.6 in all
     EXPECT_LE(report.lines.size(), 2U) << noise;
+  }
+}
+
+// Beside the border of a scan nothing is found; what runs out over it parts what lies on its sides all the same, along the scan
+// lines and across them.
+TEST(FeatureStage, EdgesPartPatchesUpToTheBorder) {
+  const Surface flat = [](double x, double y) { return 0.5 * std::max(0.0, y - 0.2 * (x - 6.0)); };
+  const Surface steep = [](double x, double y) { return 0.5 * std::max(0.0, x - 0.5 * (y - 3.0)); };
+  struct Case {
+    Surface surface;
+    std::array<std::uint32_t, 2> a, b; // line and sample on either side
+  };
+  for (const Case& one : {Case{flat, {0, 20}, {0, 150}}, Case{steep, {0, 0}, {100, 0}}}) {
+    const FeatureReport report = Scan(one.surface, 5.0, 120).run(16);
+    std::map<std::uint32_t, std::uint32_t> into;
+    for (const PatchMerge& merge : report.merges) into[merge.from] = merge.into;
+    const auto patch = [&](const std::array<std::uint32_t, 2>& at) {
+      std::uint32_t found = 0;
+      for (const PatchRun& run : report.runs)
+        if (run.line == at[0] && run.first <= at[1] && at[1] < run.first + run.count) found = run.patch;
+      for (auto next = into.find(found); next != into.end(); next = into.find(found)) found = next->second;
+      return found;
+    };
+    EXPECT_NE(patch(one.a), patch(one.b));
   }
 }
 
