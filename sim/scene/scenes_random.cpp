@@ -105,7 +105,10 @@ private:
       }
     }();
     const double reach = scene_.length_x + scene_.length_y;
-    for (double t = -reach; t <= reach; t += half) candidate.covers.push_back({x + t * turn.cos, y + t * turn.sin, 1.5 * half});
+    for (int k = 0; k * half <= 2.0 * reach; ++k) {
+      const double t = k * half - reach;
+      candidate.covers.push_back({x + t * turn.cos, y + t * turn.sin, 1.5 * half});
+    }
     return candidate;
   }
 
