@@ -21,15 +21,21 @@ double least_wall(const Sampling& sampling) noexcept {
   return std::max(8.0 * sampling.noise, 0.09);
 }
 
-auto find_column(const auto& sorted, std::int64_t column) noexcept {
-  const auto at = std::lower_bound(sorted.begin(), sorted.end(), column,
-                                   [](const auto& entry, std::int64_t c) { return entry.column < c; });
-  return at != sorted.end() && at->column == column ? at : sorted.end();
-}
+// Goes through what is sorted by column, asked for columns in ascending order.
+template <typename Entry>
+class Walk {
+public:
+  explicit Walk(const std::vector<Entry>& sorted) noexcept : at_(sorted.data()), end_(at_ + sorted.size()) {}
+  /// Null: there is none.
+  [[nodiscard]] const Entry* at(std::int64_t column) noexcept {
+    while (at_ != end_ && at_->column < column) ++at_;
+    return at_ != end_ && at_->column == column ? at_ : nullptr;
+  }
 
-bool has(const auto& sorted, std::int64_t column) noexcept {
-  return !sorted.empty() && find_column(sorted, column) != sorted.end();
-}
+private:
+  const Entry* at_;
+  const Entry* end_;
+};
 
 } // namespace
 
@@ -121,17 +127,21 @@ void Jumps::across(const PatchRow& before, const PatchRow& now, const PatchRow* 
   if (known_) find(now, *next, sampling, below_);
   // Of a wall that shows samples, the first interval parts and the last one.
   parting_.clear();
+  Walk above(above_), below(below_);
+  Walk known(cuts);
   for (const Wall& wall : here_) {
-    const auto up = find_column(above_, wall.column), down = find_column(below_, wall.column);
-    const bool goes_on = up != above_.end() && up->rises == wall.rises && down != below_.end() && down->rises == wall.rises;
+    const Wall *const up = above.at(wall.column), *const down = below.at(wall.column);
+    const bool goes_on = up != nullptr && up->rises == wall.rises && down != nullptr && down->rises == wall.rises;
     if (goes_on) continue;
-    const auto known = find_column(cuts, wall.column);
-    const bool backed = known != cuts.end() && known->backed;
+    const Cut* const cut = known.at(wall.column);
+    const bool backed = cut != nullptr && cut->backed;
     parting_.push_back({static_cast<double>(wall.column) * pitch, wall.column, BorderKind::step, backed});
   }
   if (!here_.empty()) {
+    Walk here(here_);
+    Walk parting(parting_);
     std::erase_if(cuts, [&](const Cut& cut) {
-      return (cut.kind == BorderKind::step && has(here_, cut.column)) || has(parting_, cut.column);
+      return (cut.kind == BorderKind::step && here.at(cut.column) != nullptr) || parting.at(cut.column) != nullptr;
     });
   }
   if (!parting_.empty()) {
