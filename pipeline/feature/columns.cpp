@@ -222,7 +222,7 @@ void Columns::bound_by_steps(std::uint32_t k, const FitScale& scale, Reach& reac
 bool Columns::is_part_of_step(const Bend& bend, const FitScale& scale) {
   const Heights heights = column_.heights();
   for (std::size_t i = 0; i < walls_.size(); ++i) {
-    if (!walls_[i].step) continue;
+    if (!walls_[i].step || !may_round_to(heights, 0, column_.size(), walls_, i, scale, bend.s)) continue;
     found_.clear();
     ::scansion::measure_step(heights, 0, column_.size(), walls_, i, scale, found_);
     const WallRun& wall = walls_[i];

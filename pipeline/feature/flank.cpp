@@ -37,6 +37,14 @@ public:
   [[nodiscard]] Side with_edge() const noexcept { return {s_ - step_, w_ - step_, step_, count_ + 1}; }
   [[nodiscard]] double s(std::uint32_t i) const noexcept { return s_[step_ * static_cast<std::ptrdiff_t>(i)]; }
   [[nodiscard]] double w(std::uint32_t i) const noexcept { return w_[step_ * static_cast<std::ptrdiff_t>(i)]; }
+  struct Walk {
+    const double *s, *w;
+    std::ptrdiff_t step;
+  };
+  [[nodiscard]] Walk from(std::uint32_t i) const noexcept {
+    const std::ptrdiff_t at = step_ * static_cast<std::ptrdiff_t>(i);
+    return {s_ + at, w_ + at, step_};
+  }
   [[nodiscard]] Flank flank(const Stretch& line, bool straight) const noexcept {
     return {*s_ + line.middle[0], *w_ + line.middle[1], line.slope, length(line.gap, line.size), line.size, line.gap, straight};
   }
@@ -64,13 +72,12 @@ public:
   [[nodiscard]] Stretch fit(std::uint32_t gap, std::uint32_t size) noexcept {
     make(gap + size);
     const Sums &from = sums_[gap], &to = sums_[gap + size];
-    const double u = to.u - from.u, v = to.v - from.v;
-    const Pair middle = Pair{u, v} / size;
+    const Pair once = to.once - from.once, middle = once / size;
     if (size < 3) return {gap, size, middle, 0.0, 0.0};
-    const double uu = to.uu - from.uu - middle[0] * u, uv = to.uv - from.uv - middle[1] * u;
-    const double slope = uu > 0.0 ? uv / uu : 0.0;
-    const double vv = to.vv - from.vv - middle[1] * v;
-    return {gap, size, middle, slope, std::max(0.0, vv - slope * uv)};
+    const Pair square = to.square - from.square - middle * once;
+    const double uv = to.uv - from.uv - middle[1] * once[0];
+    const double slope = square[0] > 0.0 ? uv / square[0] : 0.0;
+    return {gap, size, middle, slope, std::max(0.0, square[1] - slope * uv)};
   }
   // The second one ends where the samples do.
   [[nodiscard]] FewAndMany fit_both(std::uint32_t gap, std::uint32_t few, std::uint32_t many) noexcept {
@@ -79,34 +86,40 @@ public:
     make(end);
     const Sums &from = sums_[gap], &a = sums_[gap + few], &b = sums_[end];
     const Pair n{static_cast<double>(few), static_cast<double>(many)};
-    const Pair u = Pair{a.u, b.u} - from.u, v = Pair{a.v, b.v} - from.v;
-    const Pair uu = n * (Pair{a.uu, b.uu} - from.uu) - u * u;
+    const Pair once_a = a.once - from.once, once_b = b.once - from.once;
+    const Pair square_a = n[0] * (a.square - from.square) - once_a * once_a;
+    const Pair square_b = n[1] * (b.square - from.square) - once_b * once_b;
+    const Pair uu = __builtin_shufflevector(square_a, square_b, 0, 2),
+               vv = __builtin_shufflevector(square_a, square_b, 1, 3);
+    const Pair u = __builtin_shufflevector(once_a, once_b, 0, 2), v = __builtin_shufflevector(once_a, once_b, 1, 3);
     const Pair uv = n * (Pair{a.uv, b.uv} - from.uv) - u * v;
-    const Pair vv = n * (Pair{a.vv, b.vv} - from.vv) - v * v;
     const Pair slope = uv / larger(uu, both(kNothing));
     return {slope, vv - slope * uv};
   }
 
 private:
   struct Sums {
-    double u, v, uu, uv, vv;
+    Pair once, square; // of u, v
+    double uv;
   };
   void make(std::uint32_t end) noexcept {
     constexpr std::uint32_t kAtOnce = 4;
     if (made_ < end) extend(made_ == 0 ? end : std::min(end + kAtOnce, count_));
   }
   void extend(std::uint32_t end) noexcept {
-    const double s0 = side_.s(0), w0 = side_.w(0);
-    Sums sums = sums_[made_];
-    while (made_ < end) {
-      const double u = side_.s(made_) - s0, v = side_.w(made_) - w0;
-      sums.u += u;
-      sums.v += v;
-      sums.uu += u * u;
-      sums.uv += u * v;
-      sums.vv += v * v;
-      sums_[++made_] = sums;
+    const Pair origin{side_.s(0), side_.w(0)};
+    Sums* to = &sums_[made_];
+    Sums sums = *to;
+    const auto [s, w, step] = side_.from(made_);
+    std::ptrdiff_t i = 0;
+    for (std::uint32_t left = end - made_; left > 0; --left, i += step) {
+      const Pair off = Pair{s[i], w[i]} - origin;
+      sums.once += off;
+      sums.square += off * off;
+      sums.uv += off[0] * off[1];
+      *++to = sums;
     }
+    made_ = end;
   }
 
   const Side& side_;

@@ -120,22 +120,49 @@ void find_walls(const Heights& h, std::uint32_t begin, std::uint32_t end, const 
   }
 }
 
+namespace {
+
+// What the plateau before wall i may reach back to, and the one behind it on to.
+std::uint32_t lowest(std::span<const WallRun> walls, std::size_t i, std::uint32_t begin) noexcept {
+  return i > 0 ? std::min(walls[i - 1].last + 1, walls[i].first) : begin;
+}
+std::uint32_t highest(std::span<const WallRun> walls, std::size_t i, std::uint32_t end) noexcept {
+  return i + 1 < walls.size() ? std::max(walls[i + 1].first - 1, walls[i].last) : end - 1;
+}
+
+// Leaves out the ends of the wall, and what rounds its edge.
+Flank plateau(const Heights& h, std::uint32_t foot, std::uint32_t limit, const FitScale& scale) {
+  if (foot == limit) return Flank{h.s[foot], h.w[foot], 0.0, 0.0, 0, 0, false};
+  const std::uint32_t n = scale.least_window, from = limit < foot ? foot - 1 : foot + 1;
+  Flank flank = find_flank(h, from, limit, n, scale.widest_gap, scale);
+  if (is_chamfered(h, from, limit, flank, scale)) return find_flank(h, from, limit, std::min(n, flank.gap), 0, scale);
+  return flank.straight || flank.gap == 0 ? flank : find_flank(h, from, limit, n, 0, scale);
+}
+
+// Samples from an edge that its rounding may be seen in: its end is seen somewhat off.
+std::uint32_t reach_of(const Flank& flank) noexcept {
+  return 2 * flank.gap + 3;
+}
+
+} // namespace
+
+bool may_round_to(const Heights& h, std::uint32_t begin, std::uint32_t end, std::span<const WallRun> walls, std::size_t i,
+                  const FitScale& scale, double s) {
+  constexpr double kOff = 3.0; // samples from the foot of a wall to its edge at most
+  const WallRun& wall = walls[i];
+  const bool before = s < h.s[wall.first];
+  const double off = (before ? h.s[wall.first] - s : s - h.s[wall.last]) / scale.pitch - kOff;
+  if (off <= reach_of({})) return true;
+  const Flank beside =
+      before ? plateau(h, wall.first, lowest(walls, i, begin), scale) : plateau(h, wall.last, highest(walls, i, end), scale);
+  return off <= reach_of(beside);
+}
+
 void measure_step(const Heights& h, std::uint32_t begin, std::uint32_t end, std::span<WallRun> walls, std::size_t i,
                   const FitScale& scale, std::vector<FeaturePoint>& out) {
   WallRun& wall = walls[i];
-  const std::uint32_t low = i > 0 ? std::min(walls[i - 1].last + 1, wall.first) : begin;
-  const std::uint32_t high = i + 1 < walls.size() ? std::max(walls[i + 1].first - 1, wall.last) : end - 1;
-  const std::uint32_t n = scale.least_window;
-  const std::uint32_t most = scale.widest_gap;
-  // Plateaus leave out the ends of the wall, and what rounds its edges.
-  const auto plateau = [&](std::uint32_t foot, std::uint32_t limit) {
-    if (foot == limit) return Flank{h.s[foot], h.w[foot], 0.0, 0.0, 0, 0, false};
-    const std::uint32_t from = limit < foot ? foot - 1 : foot + 1;
-    Flank flank = find_flank(h, from, limit, n, most, scale);
-    if (is_chamfered(h, from, limit, flank, scale)) return find_flank(h, from, limit, std::min(n, flank.gap), 0, scale);
-    return flank.straight || flank.gap == 0 ? flank : find_flank(h, from, limit, n, 0, scale);
-  };
-  const Flank before = plateau(wall.first, low), after = plateau(wall.last, high);
+  const std::uint32_t low = lowest(walls, i, begin), high = highest(walls, i, end);
+  const Flank before = plateau(h, wall.first, low, scale), after = plateau(h, wall.last, high, scale);
   const double middle = 0.5 * (h.s[wall.first] + h.s[wall.last]);
   const double height = std::abs(after.at(middle) - before.at(middle));
   const double off = std::max({4.0 * scale.noise, 0.05 * height, 0.015});
@@ -191,10 +218,8 @@ void measure_step(const Heights& h, std::uint32_t begin, std::uint32_t end, std:
     p->element = p->tau < 0.0 ? ShapeElement::step_top : ShapeElement::step_bottom;
     p->type = p->tau < 0.0 ? FeatureType::step_top : FeatureType::step_bottom;
   }
-  // The end of a rounding is seen somewhat off.
-  const auto rounding = [](std::uint32_t gap) { return 2 * gap + 3; };
-  first.window = rounding(before.gap);
-  second.window = rounding(after.gap);
+  first.window = reach_of(before);
+  second.window = reach_of(after);
   first.partner = static_cast<std::int32_t>(out.size()) + 1;
   second.partner = static_cast<std::int32_t>(out.size());
   out.push_back(first);

@@ -75,6 +75,10 @@ void find_walls(const Heights& heights, std::uint32_t begin, std::uint32_t end, 
 void measure_step(const Heights& heights, std::uint32_t begin, std::uint32_t end, std::span<WallRun> walls, std::size_t i,
                   const FitScale& scale, std::vector<FeaturePoint>& out);
 
+/// Whether what rounds the edges of step i may reach as far as s. Takes less than to measure it.
+[[nodiscard]] bool may_round_to(const Heights& heights, std::uint32_t begin, std::uint32_t end, std::span<const WallRun> walls,
+                                std::size_t i, const FitScale& scale, double s);
+
 /// Both for all steps of a run: adds their edges and its walls. `rises`: the sample before each interval that may start a wall.
 void find_steps(const Heights& heights, std::uint32_t begin, std::uint32_t end, std::span<const std::uint32_t> rises,
                 const FitScale& scale, std::vector<FeaturePoint>& out, std::vector<WallRun>& walls);
