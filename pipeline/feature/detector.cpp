@@ -30,7 +30,7 @@ Turning turning_of(const Profile& profile, const Vertex& vertex) noexcept {
 // Whether a vertex that turns like this may be a corner at all: over its flanks one turns by 7 degrees, and against its
 // neighbours, which stand on these flanks or beyond their ends, about as much.
 bool may_be_corner(const Turning& turning) noexcept {
-  constexpr double kLeast = 0.0699268119435; // tangent of 4 degrees
+  constexpr double kLeast = 0.1051042352657; // tangent of 6 degrees
   return std::abs(turning.sine) >= kLeast * turning.cosine;
 }
 

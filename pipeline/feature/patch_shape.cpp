@@ -85,14 +85,15 @@ private:
 } // namespace
 
 void PatchSums::add(std::span<const double> s, std::span<const double> w, double c) noexcept {
-  // Of long stretches two samples in the middle of each eight are enough: what a surface is needs no more.
-  constexpr std::size_t kLong = 48, kStep = 8, kSkip = 3;
-  const std::size_t n = s.size(), few = n < kLong ? n : n % kStep;
+  // Of long stretches two samples in the middle of each eight are enough, of very long ones two of each 16: what a surface is
+  // needs no more.
+  constexpr std::size_t kLong = 48, kVeryLong = 96;
+  const std::size_t n = s.size(), step = n < kVeryLong ? 8 : 16, few = n < kLong ? n : n % step, skip = step / 2 - 1;
   RowSums all, some;
   all.add(s.data(), w.data(), few / 2, 2);
   if (few % 2 != 0) all.add_one(s[few - 1], w[few - 1]);
-  some.add(s.data() + few + kSkip, w.data() + few + kSkip, (n - few) / kStep, kStep);
-  all.add(some, static_cast<double>(kStep) / 2.0);
+  some.add(s.data() + few + skip, w.data() + few + skip, (n - few) / step, step);
+  all.add(some, static_cast<double>(step) / 2.0);
   const auto [ps, pw, ww] = all.totals(static_cast<double>(n));
   const std::array<double, 5> pc{1.0, c, c * c, c * c * c, c * c * c * c};
   for (std::size_t i = 0; i < 5; ++i)

@@ -92,18 +92,18 @@ bool is_confirmed(const Track& track) {
   if (n < kFewest) return false;
   const auto span = static_cast<double>(std::abs(track.points.back().step - track.points.front().step) + 1);
   if (static_cast<double>(n) < 0.5 * span) return false;
-  static thread_local std::vector<double> turning;
-  turning.clear();
   Evidence evidence;
   bool smooth = true;
   for (const TrackPoint& p : track.points) {
-    turning.push_back(std::abs(p.feature.tau));
     evidence.add(p.feature);
     smooth = smooth && p.feature.smooth;
   }
   if (evidence.is_arc()) return false;
   if (evidence.is_sure()) return true;
   if (n < kPoints || !(smooth || evidence.sharpness() >= kSharpness)) return false;
+  static thread_local std::vector<double> turning;
+  turning.clear();
+  for (const TrackPoint& p : track.points) turning.push_back(std::abs(p.feature.tau));
   std::nth_element(turning.begin(), turning.begin() + static_cast<std::ptrdiff_t>(n / 2), turning.end());
   const double middle = turning[n / 2];
   if (middle < kTurning) return false;
