@@ -13,12 +13,16 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
 
 namespace scansion {
 namespace {
 
-constexpr std::string_view kRandomSummary = "forms of random kind, size and place, the same for the same whole number N";
+// Made of any whole number N.
+constexpr std::array<std::array<const char*, 2>, 2> kNumbered{
+    {{"random:N", "forms of random kind, size and place, the same for the same whole number N"},
+     {"smooth:N", "smooth surface of random bumps and waves, the same for the same whole number N"}}};
 constexpr std::size_t kFlush = 256U * 1024U; // bytes of text a write
 
 CLI::App* add_options(CLI::App& app, SceneRequest& request) {
@@ -63,8 +67,10 @@ Result<void> list_scenes(bool json) {
     array.push_back({{"scene", scene.name}, {"summary", scene.summary}});
     text += scene.name + std::string(scene.name.size() < 10 ? 10 - scene.name.size() : 1, ' ') + scene.summary + "\n";
   }
-  array.push_back({{"scene", "random:N"}, {"summary", kRandomSummary}});
-  text.append("random:N  ").append(kRandomSummary).append("\n");
+  for (const auto& [name, summary] : kNumbered) {
+    array.push_back({{"scene", name}, {"summary", summary}});
+    text.append(name).append("  ").append(summary).append("\n");
+  }
   return print(json ? array.dump(2) + "\n" : text);
 }
 

@@ -24,7 +24,11 @@ constexpr std::array kCatalog{
     CatalogEntry{"holes", make_holes},
 };
 
-constexpr std::string_view kRandom = "random:";
+struct NumberedEntry {
+  std::string_view prefix;
+  Scene (*make)(std::uint64_t part);
+};
+constexpr std::array kNumbered{NumberedEntry{"random:", make_random}, NumberedEntry{"smooth:", make_random_smooth}};
 
 std::optional<std::uint64_t> number(std::string_view text) noexcept {
   std::uint64_t value = 0;
@@ -40,17 +44,18 @@ std::span<const CatalogEntry> scene_catalog() noexcept {
 }
 
 Result<Scene> make_scene(std::string_view name) {
-  if (name.starts_with(kRandom)) {
-    const auto part = number(name.substr(kRandom.size()));
-    if (!part) return fail(Errc::usage, "'", name, "': random: is followed by a whole number, the part's");
-    return make_random(*part);
+  for (const NumberedEntry& entry : kNumbered) {
+    if (!name.starts_with(entry.prefix)) continue;
+    const auto part = number(name.substr(entry.prefix.size()));
+    if (!part) return fail(Errc::usage, "'", name, "': ", entry.prefix, " is followed by a whole number, the part's");
+    return entry.make(*part);
   }
   std::string names;
   for (const CatalogEntry& entry : kCatalog) {
     if (entry.name == name) return entry.make();
     names.append(names.empty() ? "" : ", ").append(entry.name);
   }
-  return fail(Errc::usage, "there is no scene '", name, "'; take one of ", names, ", random:N");
+  return fail(Errc::usage, "there is no scene '", name, "'; take one of ", names, ", random:N, smooth:N");
 }
 
 } // namespace scansion

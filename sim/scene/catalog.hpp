@@ -18,8 +18,8 @@ struct CatalogEntry {
 /// All scenes but the random ones, in the order they are listed for a person.
 [[nodiscard]] std::span<const CatalogEntry> scene_catalog() noexcept;
 
-/// A scene of the catalog or random:PART, PART a whole number. Fails with usage and the list of names when there is no such
-/// scene.
+/// A scene of the catalog, random:PART or smooth:PART, PART a whole number. Fails with usage and the list of names when there
+/// is no such scene.
 [[nodiscard]] Result<Scene> make_scene(std::string_view name);
 
 } // namespace scansion

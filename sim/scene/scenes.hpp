@@ -37,6 +37,8 @@ namespace scansion {
 
 /// Forms of random kind, size and place, the same for the same number (scenes_random.cpp). Named random:PART.
 [[nodiscard]] Scene make_random(std::uint64_t part);
+/// A smooth surface without a form. Named smooth:PART.
+[[nodiscard]] Scene make_random_smooth(std::uint64_t part);
 
 // Lines that are hard on ranking (scenes_adversarial.cpp).
 [[nodiscard]] Scene make_flat();

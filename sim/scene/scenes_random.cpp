@@ -1,5 +1,5 @@
-// Parts made of a number: forms of random kind, size and place, none of which touches another one. For judging feature lines
-// on parts that nobody looked at while the rules were made.
+// Parts made of a number: forms of random kind, size and place, none of which touches another one, or smooth surfaces without
+// any. For judging feature lines on parts that nobody looked at while the rules were made.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/scene/portable_math.hpp"
 #include "sim/scene/random.hpp"
@@ -40,6 +40,35 @@ public:
     make_base();
     const std::size_t wanted = 5 + random_.below(6);
     for (int k = 0; k < kTries && scene_.features.size() < wanted; ++k) place(k < 2 ? endless() : bounded());
+    return std::move(scene_);
+  }
+
+  /// 1,200 mm2 of bumps and waves; the radius of curvature of each is 12 mm and more.
+  Scene make_smooth(std::string name) {
+    constexpr double kCurvature = 1.0 / 12.0, kTurn = 6.283185307179586;
+    scene_.name = std::move(name);
+    scene_.summary = "smooth surface of random bumps and waves, 1,200 mm^2";
+    scene_.length_x = 40.0;
+    scene_.length_y = 30.0;
+    scene_.points = 400;
+    scene_.lines = 300;
+    scene_.base.slope_x = between(-0.1, 0.1);
+    scene_.base.slope_y = between(-0.1, 0.1);
+    const std::uint32_t bumps = 2 + random_.below(3);
+    for (std::uint32_t k = 0; k < bumps; ++k) {
+      const double short_radius = between(6.0, 14.0), long_radius = short_radius * between(1.0, 2.0);
+      // In the middle it bends by six times its height over the square of the radius.
+      const double height = either_way(between(0.3, 1.0) * kCurvature * short_radius * short_radius / 6.0);
+      scene_.base.add(Bump{between(2.0, 38.0), between(2.0, 28.0), long_radius, short_radius, between(0.0, 180.0), height});
+      bound(height);
+    }
+    const std::uint32_t waves = random_.below(3);
+    for (std::uint32_t k = 0; k < waves; ++k) {
+      const double length = between(12.0, 40.0), height = between(0.2, 0.6) * kCurvature * (length / kTurn) * (length / kTurn);
+      scene_.base.add(Wave{between(0.0, length), 0.0, between(0.0, 180.0), length, height});
+      bound(height);
+      bound(-height);
+    }
     return std::move(scene_);
   }
 
@@ -206,6 +235,10 @@ private:
 
 Scene make_random(std::uint64_t part) {
   return PartMaker(part).make("random:" + std::to_string(part));
+}
+
+Scene make_random_smooth(std::uint64_t part) {
+  return PartMaker(part).make_smooth("smooth:" + std::to_string(part));
 }
 
 } // namespace scansion

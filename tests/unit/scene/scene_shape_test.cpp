@@ -135,8 +135,26 @@ TEST(Catalog, RandomPartsAreMadeOfTheirNumber) {
       }
     }
   }
+  for (int part = 0; part < 40; ++part) {
+    const std::string name = "smooth:" + std::to_string(part);
+    const auto scene = make_scene(name);
+    ASSERT_TRUE(scene) << scene.error().context;
+    const Scene& a = scene.value();
+    EXPECT_EQ(a.name, name);
+    EXPECT_TRUE(a.features.empty());
+    EXPECT_EQ(a.length_x * a.length_y, 1200.0);
+    for (int i = 0; i < 100; ++i) {
+      for (int j = 0; j < 130; ++j) {
+        // A curve of 6 mm radius lies 0.0075 mm off its chord of 0.6 mm.
+        const double x = 0.31 * j, y = 0.31 * i, z = a.relief(x, y);
+        ASSERT_LT(std::abs(a.relief(x - 0.3, y) + a.relief(x + 0.3, y) - 2.0 * z), 0.09 / 3.0) << name << ' ' << x << ' ' << y;
+        ASSERT_GE(z, a.relief_low) << name;
+        ASSERT_LE(z, a.relief_high) << name;
+      }
+    }
+  }
   EXPECT_GT(sizes.size(), 3U);
-  for (const char* wrong : {"random:", "random:-1", "random:1x", "random:99999999999999999999"}) {
+  for (const char* wrong : {"random:", "random:-1", "random:1x", "random:99999999999999999999", "smooth:"}) {
     const auto none = make_scene(wrong);
     ASSERT_FALSE(none) << wrong;
     EXPECT_EQ(none.error().code, Errc::usage);
