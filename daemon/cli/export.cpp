@@ -1,6 +1,7 @@
 // scansion export: any level of detail of a recording, as points or as the rearrangement.
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/cli/command.hpp"
+#include "pipeline/export/crossed_scans.hpp"
 #include "pipeline/export/feature_writer.hpp"
 #include "pipeline/export/patch_writer.hpp"
 #include "pipeline/record/repair.hpp"
@@ -13,7 +14,7 @@ namespace scansion::cli {
 namespace {
 
 struct Options {
-  std::string recording, output, what = "points", scope = "line", lines, format, unit, tolerance, reduction;
+  std::string recording, crossed, output, what = "points", scope = "line", lines, format, unit, tolerance, reduction;
   std::uint32_t level = 0;
   bool has_level = false, single = false, force = false, strict = false;
 };
@@ -138,14 +139,38 @@ bool crosses(const FeatureLine& line, const Selection& s) {
   return false;
 }
 
+Result<std::vector<FeatureLine>> crossed_lines(const Options& o, RecordingReader& reader) {
+  SCANSION_TRY(other, RecordingReader::open(o.crossed));
+  if (!other.facts().features)
+    return fail(Errc::usage, o.crossed,
+                ": was made without feature lines and patches; compress the scan again with --features on");
+  SCANSION_TRY(merged, merge_recordings(reader, other));
+  constexpr double kLeast = 0.1; // of the shorter findings
+  const double possible = std::min(merged.first_mm, merged.second_mm);
+  const double share = possible > 0.0 ? std::min(1.0, merged.common_mm / possible) : 0.0;
+  say(o.crossed + ": has " + number(std::round(1000 * share) / 10) + " % of the feature lines in common with " + o.recording +
+      (share < kLeast ? "; are both of one part, in one frame?" : ""));
+  if (!other.complete())
+    say(o.crossed + " is unfinished: what follows its last whole group is not in the output; see scansion verify");
+  return std::move(merged.lines);
+}
+
 Result<void> write_features(const Options& o, RecordingReader& reader, const Selection& s, const std::string& format_name) {
   if (s.kind != Selection::Kind::all)
     return fail(Errc::usage, "feature lines do not depend on a selection of points; leave it out");
   SCANSION_TRY(has_features(o, reader));
   SCANSION_TRY(format, parse_feature_format(format_name));
   SCANSION_TRY(unit, unit_of(o, reader));
-  SCANSION_TRY(found, read_findings(reader, FindingsPart::lines));
-  std::erase_if(found.lines, [&](const FeatureLine& line) { return !crosses(line, s); });
+  Findings found;
+  if (o.crossed.empty()) {
+    SCANSION_TRY(alone, read_findings(reader, FindingsPart::lines));
+    found = std::move(alone);
+    std::erase_if(found.lines, [&](const FeatureLine& line) { return !crosses(line, s); });
+  } else {
+    if (!o.lines.empty()) return fail(Errc::usage, "--lines does not go with --crossed: each scan has its own");
+    SCANSION_TRY(merged, crossed_lines(o, reader));
+    found.lines = std::move(merged);
+  }
   SCANSION_TRY(file, OutputFile::create(o.output, o.force, false));
   SCANSION_TRY(write_feature_lines(found.lines, format, unit, file));
   SCANSION_TRY(file.commit());
@@ -170,6 +195,8 @@ Result<void> write_patches(const Options& o, RecordingReader& reader, const Sele
 }
 
 Result<int> run_export(const Options& o) {
+  if (!o.crossed.empty() && o.what != "features")
+    return fail(Errc::usage, "--crossed goes with --what features: points and patches stay those of one scan");
   SCANSION_TRY(selection, selection_of(o));
   SCANSION_TRY(reader, RecordingReader::open(o.recording));
   const bool points = o.what == "points" || o.what == "rearrangement";
@@ -205,6 +232,8 @@ Verb add_export(CLI::App& root) {
   app->add_option("--what", o->what, "What to write")
       ->check(CLI::IsMember({"points", "rearrangement", "features", "patches"}))
       ->capture_default_str();
+  app->add_option("--crossed", o->crossed,
+                  "With feature lines: another recording of the part, whose scan lines run across these");
   auto* tolerance =
       app->add_option("--tolerance", o->tolerance, "Keep the points farther than this many mm: error at most this");
   auto* reduction = app->add_option("--reduction", o->reduction, "Leave out this many percent of the points");
