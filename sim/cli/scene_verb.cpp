@@ -23,7 +23,7 @@ namespace {
 constexpr std::array<std::array<const char*, 2>, 2> kNumbered{
     {{"random:N", "forms of random kind, size and place, the same for the same whole number N"},
      {"smooth:N", "smooth surface of random bumps and waves, the same for the same whole number N"}}};
-constexpr std::size_t kFlush = 256U * 1024U; // bytes of text a write
+constexpr std::size_t kFlush = std::size_t{256} * 1024; // bytes of text a write
 
 CLI::App* add_options(CLI::App& app, SceneRequest& request) {
   CLI::App* command = app.add_subcommand("scene", "write a synthetic recorded scan (xyz text, millimetres)");
