@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/feature/column_samples.hpp"
 
-#include "pipeline/feature/passes.hpp"
+#include "pipeline/feature/column_passes.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/feature/columns.hpp"
 
+#include "pipeline/feature/column_passes.hpp"
 #include "pipeline/feature/column_samples.hpp"
 #include "pipeline/feature/detector.hpp"
 #include "pipeline/feature/passes.hpp"
@@ -275,20 +276,28 @@ void Columns::harvest(std::int64_t r, const Sampling& sampling, std::vector<Colu
   const ColumnRow& next = at + 1 < rows_.size() ? rows_[at + 1] : centre;
   // Every interval of a wall is larger.
   const auto wall = static_cast<float>(std::max(test.noise, 0.49 * (next.c - centre.c)));
-  shown_.resize(width_);
-  std::size_t shown =
-      passes::bent_or_stepped(centre.bend, centre.height, next.height, {narrow_.least, wall}, shown_.data(), width_);
-  for (const std::uint32_t j : std::span(shown_).first(shown)) {
-    if (std::abs(centre.bend[j]) >= narrow_.least && bends_most(at, j, narrow_))
-      measure_bend(r, j, narrow_, sampling, scale, out);
-    if (std::abs(next.height[j] - centre.height[j]) > wall && has_walls(j, r) && rows_.starts_step(at, j))
-      measure_step(r, j, scale, out);
-  }
-  if (!looks_wide(sampling)) return;
-  constexpr float kNoWall = std::numeric_limits<float>::infinity();
-  shown = passes::bent_or_stepped(centre.wide, centre.height, centre.height, {wide_.least, kNoWall}, shown_.data(), width_);
-  for (const std::uint32_t j : std::span(shown_).first(shown))
-    if (bends_most(at, j, wide_) && !bends_nearby(at, j)) measure_bend(r, j, wide_, sampling, scale, out);
+  const std::size_t narrow = find_bends(at, narrow_, bent_);
+  const std::size_t wide = looks_wide(sampling) ? find_bends(at, wide_, widely_bent_) : 0;
+  stepped_.resize(width_);
+  const std::size_t stepped = passes::apart(next.height, centre.height, wall, stepped_.data(), width_);
+  for (const std::uint32_t j : std::span(bent_).first(narrow)) measure_bend(r, j, narrow_, sampling, scale, out);
+  for (const std::uint32_t j : std::span(stepped_).first(stepped))
+    if (has_walls(j, r) && rows_.starts_step(at, j)) measure_step(r, j, scale, out);
+  for (const std::uint32_t j : std::span(widely_bent_).first(wide))
+    if (!bends_nearby(at, j)) measure_bend(r, j, wide_, sampling, scale, out);
+}
+
+// The columns in which no row near this one bends more; returns how many they are.
+std::size_t Columns::find_bends(std::int64_t row, const Screen& screen, std::vector<std::uint32_t>& columns) {
+  const std::int64_t low = std::max<std::int64_t>(0, row - screen.near), high = std::min(rows_.size() - 1, row + screen.near);
+  weighed_.clear();
+  for (std::int64_t k = low; k <= high; ++k)
+    if (k != row) weighed_.push_back(rows_[k].*screen.bend);
+  const std::span<const float* const> beside = weighed_;
+  const auto before = static_cast<std::size_t>(row - low);
+  columns.resize(width_);
+  return passes::most_bent({rows_[row].*screen.bend, beside.first(before), beside.subspan(before)}, screen.least,
+                           columns.data(), width_);
 }
 
 // Whether a row within a wide window bends clearly over the least window.
@@ -297,18 +306,6 @@ bool Columns::bends_nearby(std::int64_t row, std::size_t column) const {
   for (std::int64_t k = low; k <= high; ++k)
     if (std::abs(rows_[k].bend[column]) >= narrow_.least) return true;
   return false;
-}
-
-// Whether no row within `near` bends more the same way; the first of equal ones does.
-bool Columns::bends_most(std::int64_t row, std::size_t column, const Screen& screen) const {
-  const auto bend = [&](std::int64_t k) { return (rows_[k].*screen.bend)[column]; };
-  const float own = std::abs(bend(row)), sign = bend(row) < 0.0F ? -1.0F : 1.0F;
-  const std::int64_t low = std::max<std::int64_t>(0, row - screen.near), high = std::min(rows_.size() - 1, row + screen.near);
-  for (std::int64_t k = low; k < row; ++k)
-    if (sign * bend(k) >= own) return false;
-  for (std::int64_t k = row + 1; k <= high; ++k)
-    if (sign * bend(k) > own) return false;
-  return true;
 }
 
 } // namespace scansion

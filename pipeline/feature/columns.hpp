@@ -27,7 +27,7 @@ public:
   /// All profiles must stand to columns like these; `sampling` of the first lines fixes the windows.
   Columns(const Sampling& sampling, const ColumnScale& scale);
 
-  /// Takes the next row; adds what is found `lag()` rows before it, in ascending column.
+  /// Takes the next row; adds what is found `lag()` rows before it.
   void add(const Profile& profile, const Sampling& sampling, std::vector<ColumnPoint>& out);
   /// Adds what the last rows still hold.
   void finish(const Sampling& sampling, std::vector<ColumnPoint>& out);
@@ -85,7 +85,7 @@ private:
   }
   void view_rows();
   void harvest(std::int64_t r, const Sampling& sampling, std::vector<ColumnPoint>& out);
-  [[nodiscard]] bool bends_most(std::int64_t row, std::size_t column, const Screen& screen) const;
+  [[nodiscard]] std::size_t find_bends(std::int64_t row, const Screen& screen, std::vector<std::uint32_t>& columns);
   [[nodiscard]] bool bends_nearby(std::int64_t row, std::size_t column) const;
   void measure_bend(std::int64_t r, std::size_t column, const Screen& screen, const Sampling& sampling, const FitScale& scale,
                     std::vector<ColumnPoint>& out);
@@ -112,8 +112,8 @@ private:
   std::vector<float> weights_;        // of these
   ColumnRows rows_;                   // those held
   Screen narrow_, wide_;              // of the row that is looked at
-  std::vector<std::uint32_t> shown_;  // columns that show something in a row
-  Column column_;                     // the one that is looked at
+  std::vector<std::uint32_t> bent_, widely_bent_, stepped_; // columns that show something in a row
+  Column column_;                                           // the one that is looked at
   std::vector<FeaturePoint> found_;
   std::vector<WallRun> walls_;
 };

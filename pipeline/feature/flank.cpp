@@ -89,8 +89,7 @@ public:
     const Pair once_a = a.once - from.once, once_b = b.once - from.once;
     const Pair square_a = n[0] * (a.square - from.square) - once_a * once_a;
     const Pair square_b = n[1] * (b.square - from.square) - once_b * once_b;
-    const Pair uu = __builtin_shufflevector(square_a, square_b, 0, 2),
-               vv = __builtin_shufflevector(square_a, square_b, 1, 3);
+    const Pair uu = __builtin_shufflevector(square_a, square_b, 0, 2), vv = __builtin_shufflevector(square_a, square_b, 1, 3);
     const Pair u = __builtin_shufflevector(once_a, once_b, 0, 2), v = __builtin_shufflevector(once_a, once_b, 1, 3);
     const Pair uv = n * (Pair{a.uv, b.uv} - from.uv) - u * v;
     const Pair slope = uv / larger(uu, both(kNothing));

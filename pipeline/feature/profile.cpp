@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/feature/profile.hpp"
 
+#include "pipeline/feature/column_passes.hpp"
 #include "pipeline/feature/passes.hpp"
 
 #include <algorithm>

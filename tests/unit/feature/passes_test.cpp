@@ -1,5 +1,6 @@
 // The loops over all samples: against their definitions, and both versions against each other.
 // SPDX-License-Identifier: Apache-2.0
+#include "pipeline/feature/column_passes.hpp"
 #include "pipeline/feature/passes.hpp"
 
 #include "pipeline/feature/steps.hpp"
@@ -50,18 +51,34 @@ TEST(Passes, FindWhatIsApart) {
   for (const float limit : {0.0F, 1.0F, 2.5F, 100.0F}) expect_apart<float>(limit);
 }
 
-TEST(Passes, FindColumnsThatBendOrStep) {
-  const passes::ColumnLimits limits{2.0F, 3.5F};
+TEST(Passes, FindWhereColumnsBendMost) {
+  constexpr float kLeast = 2.0F;
   for (std::size_t n = 0; n < kMost; ++n) {
-    const auto bend = values<float>(n, 7), height = values<float>(n, 8), next = values<float>(n, 9);
-    std::vector<std::uint32_t> expected, found(n), portable(n);
-    for (std::size_t k = 0; k < n; ++k)
-      if (std::abs(bend[k]) >= limits.least || std::abs(next[k] - height[k]) > limits.rise)
-        expected.push_back(static_cast<std::uint32_t>(k));
-    found.resize(passes::bent_or_stepped(bend.data(), height.data(), next.data(), limits, found.data(), n));
-    portable.resize(passes::portable::bent_or_stepped(bend.data(), height.data(), next.data(), limits, portable.data(), n));
-    EXPECT_EQ(found, expected) << n;
-    EXPECT_EQ(portable, expected) << n;
+    std::vector<std::vector<float>> rows;
+    for (int k = 0; k < 5; ++k) rows.push_back(values<float>(n, 7 + static_cast<unsigned>(k)));
+    for (auto& row : rows)
+      for (std::size_t k = 0; k < n; k += 5) row[k] = std::numeric_limits<float>::quiet_NaN();
+    for (std::size_t own = 0; own < rows.size(); ++own) {
+      std::vector<const float*> before, after;
+      for (std::size_t k = 0; k < rows.size(); ++k)
+        if (k != own) (k < own ? before : after).push_back(rows[k].data());
+      std::vector<std::uint32_t> expected, found(n), portable(n);
+      for (std::size_t k = 0; k < n; ++k) {
+        const float bend = rows[own][k];
+        bool most = std::abs(bend) >= kLeast;
+        for (std::size_t other = 0; other < rows.size(); ++other) {
+          const float same_way = bend < 0.0F ? -rows[other][k] : rows[other][k];
+          if (other < own && same_way >= std::abs(bend)) most = false;
+          if (other > own && same_way > std::abs(bend)) most = false;
+        }
+        if (most) expected.push_back(static_cast<std::uint32_t>(k));
+      }
+      const passes::BendRows look{rows[own].data(), before, after};
+      found.resize(passes::most_bent(look, kLeast, found.data(), n));
+      portable.resize(passes::portable::most_bent(look, kLeast, portable.data(), n));
+      EXPECT_EQ(found, expected) << n;
+      EXPECT_EQ(portable, expected) << n;
+    }
   }
 }
 
