@@ -7,7 +7,8 @@
 
 namespace scansion {
 
-/// Scan lines of `second` are counted on behind those of `first`. Fails with damaged, and with usage when a recording holds no scan lines.
+/// Scan lines of `second` are counted on behind those of `first`. Fails with damaged, and with usage when a recording holds no
+/// scan lines.
 [[nodiscard]] Result<CrossedLines> merge_recordings(RecordingReader& first, RecordingReader& second);
 
 } // namespace scansion

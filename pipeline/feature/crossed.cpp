@@ -15,18 +15,18 @@ namespace scansion {
 
 namespace {
 
-constexpr double kBeside = 2.0;  // steps: two lines so near are one edge
-constexpr double kPast = 1.0;    // steps along it: beyond its end a line has nothing beside it
-constexpr double kAbove = 2.0;   // steps of height between them
-constexpr double kSure = 60.0;   // steps: a line that the other scan denies for the most part is longer
+constexpr double kBeside = 2.0;            // steps: two lines so near are one edge
+constexpr double kPast = 1.0;              // steps along it: beyond its end a line has nothing beside it
+constexpr double kAbove = 2.0;             // steps of height between them
+constexpr double kSure = 60.0;             // steps: a line that the other scan denies for the most part is longer
 constexpr double kGap = 5.0, kPart = 20.0; // steps: what it denies between these goes. Less may be its gap, more is there
-constexpr std::size_t kCalm = 3; // places to both sides over which lines are brought together
-constexpr double kAlike = 0.866; // cosine of 30 degrees between their ways
-constexpr double kBetter = 1.15; // times surer: what is taken from the other scan
-constexpr double kPerStep = 2.0; // places of a walk
-constexpr double kShort = 3.0;   // steps: a stretch that is cut out of a line is longer
-constexpr double kJoin = 2.0;    // steps between ends that are joined
-constexpr double kBend = 0.2;    // cosine between the ways out of two ends that are joined: corners may be right ones
+constexpr std::size_t kCalm = 3;           // places to both sides over which lines are brought together
+constexpr double kAlike = 0.866;           // cosine of 30 degrees between their ways
+constexpr double kBetter = 1.15;           // times surer: what is taken from the other scan
+constexpr double kPerStep = 2.0;           // places of a walk
+constexpr double kShort = 3.0;             // steps: a stretch that is cut out of a line is longer
+constexpr double kJoin = 2.0;              // steps between ends that are joined
+constexpr double kBend = 0.2;              // cosine between the ways out of two ends that are joined: corners may be right ones
 
 /// One of the scans, its lines as walks.
 struct Side {
@@ -57,7 +57,8 @@ bool convex(const FeatureLine& line) noexcept {
 /// Finds what runs beside a place.
 class Beside {
 public:
-  Beside(const Side& side, double step) : side_(side), reach_(kBeside * step), above_(kAbove * step), past_(kPast * step), grid_(reach_) {
+  Beside(const Side& side, double step)
+      : side_(side), reach_(kBeside * step), above_(kAbove * step), past_(kPast * step), grid_(reach_) {
     for (std::uint32_t i = 0; i < side.walks.size(); ++i) {
       const auto& places = side.walks[i].places();
       for (std::uint32_t k = 0; k < places.size(); ++k) grid_.add(places[k].at[0], places[k].at[1], {i, k});
@@ -257,9 +258,8 @@ void bridge(std::vector<Stretch>& stretches, double step) {
       if (length <= reach && opposed < kBend) found.push_back({length, a, b});
     });
   }
-  std::sort(found.begin(), found.end(), [](const Bridge& x, const Bridge& y) {
-    return std::tie(x.length, x.a, x.b) < std::tie(y.length, y.a, y.b);
-  });
+  std::sort(found.begin(), found.end(),
+            [](const Bridge& x, const Bridge& y) { return std::tie(x.length, x.a, x.b) < std::tie(y.length, y.a, y.b); });
   std::vector<bool> used(ends.size(), false);
   for (const Bridge& bridge : found) {
     if (used[bridge.a] || used[bridge.b]) continue;

@@ -27,8 +27,8 @@ struct FoundByScan {
 };
 
 struct CrossedLines {
-  std::vector<FeatureLine> lines; ///< numbered anew from 1
-  double common_mm = 0.0;         ///< length of the lines of the first scan that the second one found too
+  std::vector<FeatureLine> lines;         ///< numbered anew from 1
+  double common_mm = 0.0;                 ///< length of the lines of the first scan that the second one found too
   double first_mm = 0.0, second_mm = 0.0; ///< length of all lines of each
 };
 

@@ -28,7 +28,8 @@ public:
     const std::int64_t column = cell(x), row = cell(y);
     for (std::int64_t i = column - 1; i <= column + 1; ++i) {
       const auto least = std::pair(i, row - 1), most = std::pair(i, row + 1);
-      auto at = std::lower_bound(items_.begin(), items_.end(), least, [](const Entry& e, const auto& key) { return e.key() < key; });
+      auto at =
+          std::lower_bound(items_.begin(), items_.end(), least, [](const Entry& e, const auto& key) { return e.key() < key; });
       for (; at != items_.end() && at->key() <= most; ++at) look(at->item);
     }
   }

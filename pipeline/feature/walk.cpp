@@ -35,11 +35,12 @@ Walk::Walk(const FeatureLine& line, double step) : closed_(line.closed_loop) {
   for (std::size_t k = 0; k < sides; ++k) {
     const auto &a = vertex(k).position, &b = vertex(k + 1).position;
     const double side = distance(a, b);
-    for (; next < done + side; next += even) {
+    while (next < done + side) {
       const double share = (next - done) / side;
       WalkPlace& place = places_.emplace_back();
       for (std::size_t i = 0; i < 3; ++i) place.at[i] = a[i] + (b[i] - a[i]) * share;
       place.before = k;
+      next += even;
     }
     done += side;
   }

@@ -143,6 +143,35 @@ def holes_are_named(kit):
     check(svg.count(b">hole<") == 8, f"{svg.count(b'>hole<')} names of holes in the picture")
 
 
+def crossed_scans(kit):
+    place = Place(kit)
+    across = kit.compress(kit.scene(place.path("across.xyz"), "posts", "--pitch", 0.2, "--spacing", 0.2, "--direction", 90, "--seed", 2),
+                          place.path("across.mcap"))
+    alone, merged = place.lines(), place.lines("--crossed", across)
+    length = lambda lines: sum(float(head["length"]) for head, _ in lines)
+    check(0.8 * length(alone) < length(merged) < 1.2 * length(alone), f"{length(merged)} of {length(alone)} mm: nothing is there twice")
+    own = kit.scansion("info", place.recording, "--json").json()["lines"]
+    counted = [vertex[3] for _, vertices in merged for vertex in vertices]
+    check(min(counted) < own <= max(counted), "lines of the second scan are counted on")
+    for form in ("csv", "json", "obj", "dxf", "ply", "vtp"):
+        check(place.export("features", form, "--crossed", across), form)
+    out = place.path("refused.txt")
+    kit.scansion("export", place.recording, "-o", out, "--crossed", across, expect=2)
+    kit.scansion("export", place.recording, "-o", out, "--what", "features", "--crossed", across, "--lines", "1:3", expect=2)
+    check(not os.path.exists(out), "refused exports leave nothing")
+
+
+def backlash_is_told(kit):
+    place = Place(kit)
+    same(kit.scansion("info", place.recording, "--json").json()["backlash"], None, "backlash of lines in one direction")
+    scan = kit.scene(place.path("fro.xyz"), "rails", "--pitch", 0.2, "--spacing", 0.2, "--zigzag", "--backlash", 300)
+    for use, taken_off in (("report", 0.0), ("correct", 0.3)):
+        recording = kit.compress(scan, place.path(f"{use}.mcap"), "--backlash", use)
+        told = kit.scansion("info", recording, "--json").json()["backlash"]
+        check(abs(told["mm"] - 0.3) < 0.03 and abs(told["taken_off_mm"] - taken_off) < 0.03, f"{use}: {told}")
+        check(b"backlash" in kit.scansion("info", recording).out, "text of info")
+
+
 def nothing_else_changes(kit):
     place = Place(kit)
     off = kit.compress(place.scan, place.path("off.mcap"), "--features", "off")
@@ -168,4 +197,4 @@ def cut_and_compared(kit):
 
 
 if __name__ == "__main__":
-    run_cases("features", [every_form_says_the_same, units_and_ranges, patches_of_points, holes_are_named, nothing_else_changes, cut_and_compared])
+    run_cases("features", [crossed_scans, backlash_is_told, every_form_says_the_same, units_and_ranges, patches_of_points, holes_are_named, nothing_else_changes, cut_and_compared])

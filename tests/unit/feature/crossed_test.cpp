@@ -20,8 +20,7 @@ FeatureLine line_of(std::uint64_t id, std::vector<std::array<double, 2>> places,
   for (const auto& [x, y] : places) {
     line.vertices.push_back({{x, y, 0.0}, id, static_cast<std::uint32_t>(line.vertices.size())});
     const auto& v = line.vertices;
-    if (v.size() > 1)
-      line.length_mm += std::hypot(x - v[v.size() - 2].position[0], y - v[v.size() - 2].position[1]);
+    if (v.size() > 1) line.length_mm += std::hypot(x - v[v.size() - 2].position[0], y - v[v.size() - 2].position[1]);
   }
   line.persistence = line.length_mm / (5.0 * kStep);
   return line;
@@ -61,8 +60,8 @@ TEST(Crossed, ALineOfBothIsThereOnceAtTheirMean) {
 
 TEST(Crossed, ACornerComesFromBothAndIsOneLine) {
   // Each scan has its half well, and the other one 0.1 mm off.
-  const CrossedLines merged = merge_crossed(along_x({line_of(7, {{5, 5}, {5, 15}, {15, 15.1}})}),
-                                            along_y({line_of(3, {{5.1, 5}, {5, 15}, {15, 15}})}));
+  const CrossedLines merged =
+      merge_crossed(along_x({line_of(7, {{5, 5}, {5, 15}, {15, 15.1}})}), along_y({line_of(3, {{5.1, 5}, {5, 15}, {15, 15}})}));
   ASSERT_EQ(merged.lines.size(), 1U);
   EXPECT_NEAR(total(merged), 20.0, 0.4);
   const auto& v = merged.lines[0].vertices;
