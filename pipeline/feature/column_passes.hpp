@@ -43,10 +43,10 @@ void weigh(const float* const* rows, const float* weights, std::size_t count, fl
 /// The bends of a row of columns, and of rows before and after it.
 struct BendRows {
   const float* own = nullptr;
-  std::span<const float* const> before, after;
+  std::span<const float*const> before, after;
 };
-/// Writes the i with |own[i]| >= least to `indexes`, which has room for n, where no row before bends as much the same way and no
-/// row after more; what is not a number bends nowhere. Returns how many they are.
+/// Writes the i with |own[i]| >= least to `indexes`, which has room for n, where no row before bends as much the same way and
+/// no row after more; what is not a number bends nowhere. Returns how many they are.
 [[nodiscard]] std::size_t most_bent(const BendRows& rows, float least, std::uint32_t* indexes, std::size_t n) noexcept;
 
 /// Walls between rows of columns: marks[i] becomes `mark` unless the step from rows[1] to rows[2] starts no wall: one that is

@@ -57,7 +57,6 @@ SCANSION_AVX2 inline std::size_t put(std::uint32_t bits, std::size_t from, std::
   return count;
 }
 
-
 #endif
 
 } // namespace scansion::passes
