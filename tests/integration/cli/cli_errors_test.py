@@ -525,9 +525,11 @@ def other_verbs(kit):
             skip_part(f"syntax of the {shell} completion: {shell} is not installed")
     check(kit.scansion("--version").out.strip(), "no version")
     began = time.monotonic()
-    process = kit.start("scansion", "export", kit.compress(kit.scan_files()[0], os.path.join(kit.root, "pipe.mcap")), "-o", "-",
-                        stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-    process.stdout.close()  # the reader goes away
+    recording = kit.compress(kit.scan_files()[0], os.path.join(kit.root, "pipe.mcap"))
+    reader, writer = os.pipe()
+    os.close(reader)  # before anything is written: the whole output fits into a pipe
+    process = kit.start("scansion", "export", recording, "-o", "-", stdout=writer, stderr=subprocess.PIPE)
+    os.close(writer)
     message = process.communicate(timeout=20)[1].decode()
     same(process.returncode, 74, f"exit code with a closed pipe ({message})")
     check(time.monotonic() - began < 20, "a closed pipe")
