@@ -30,6 +30,7 @@ public:
   /// What was passed over by one track was so by the other, which it is a part of now.
   void hand_over(std::uint32_t from, std::uint32_t into) {
     if (from >= columns_.size()) return;
+    if (into >= columns_.size()) columns_.resize(into + 1U); // not below, while columns of `from` are walked
     for (const std::int64_t column : columns_[from]) {
       leave(from, column);
       put(into, column);

@@ -11,6 +11,7 @@
 #include <map>
 #include <random>
 #include <set>
+#include <vector>
 
 namespace scansion {
 namespace {
@@ -108,6 +109,18 @@ TEST(ColumnEnds, FindsEachTrackInItsLastColumnOnly) {
       if (at == column) here.insert(t);
     ends.visit(column, [&](std::uint32_t t) { EXPECT_TRUE(found.insert(t).second); });
     ASSERT_EQ(found, here);
+  }
+}
+
+// A track that passed over nothing so far takes over more columns than any before it: nothing is read where it was.
+TEST(ColumnGaps, GoToTracksNotSeenBefore) {
+  ColumnGaps gaps;
+  for (std::int64_t column = 0; column < 16; ++column) gaps.put(0, column);
+  gaps.hand_over(0, 1000);
+  for (std::int64_t column = 0; column < 16; ++column) {
+    std::vector<std::uint32_t> seen;
+    gaps.visit(column, [&](std::uint32_t t) { seen.push_back(t); });
+    EXPECT_EQ(seen, std::vector<std::uint32_t>{1000}) << column;
   }
 }
 
