@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/export/crossed_scans.hpp"
 
-#include "pipeline/feature/frame.hpp"
+#include "pipeline/feature/profile/frame.hpp"
 #include "pipeline/record/findings.hpp"
 
 #include <algorithm>

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "pipeline/feature/crossed.hpp"
+#include "pipeline/feature/line/crossed.hpp"
 #include "pipeline/record/reader.hpp"
 
 namespace scansion {

@@ -2,14 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/feature/feature_stage.hpp"
 
-#include "pipeline/feature/averaging.hpp"
-#include "pipeline/feature/backlash_correction.hpp"
-#include "pipeline/feature/junctions.hpp"
+#include "pipeline/feature/line/junctions.hpp"
+#include "pipeline/feature/line/publisher.hpp"
 #include "pipeline/feature/line_finder.hpp"
-#include "pipeline/feature/patch_grower.hpp"
-#include "pipeline/feature/publisher.hpp"
-#include "pipeline/feature/rises.hpp"
-#include "pipeline/feature/spikes.hpp"
+#include "pipeline/feature/patch/patch_grower.hpp"
+#include "pipeline/feature/profile/averaging.hpp"
+#include "pipeline/feature/profile/backlash_correction.hpp"
+#include "pipeline/feature/profile/rises.hpp"
+#include "pipeline/feature/profile/spikes.hpp"
+#include "pipeline/feature/rise_limit.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -140,13 +141,13 @@ void FeatureStage::Impl::learn_backlash() {
 
 // What is made of places and heights before anything is searched; the pairs too, where they are what is searched.
 void FeatureStage::Impl::clean(const Sampling& sampling) {
-  note_rises(profile, sampling, scratch);
+  note_rises(profile, least_rise(sampling), scratch);
   clean_spikes(profile, sampling.noise, averages ? nullptr : &ranker);
   if (!scale) scale = {sampling.pitch, profile.w.front()};
   stand(profile, *scale);
   if (!averages) return;
   average_pairs(profile, sampling, ranker, pairs);
-  note_rises(pairs, looked_at(), scratch);
+  note_rises(pairs, least_rise(looked_at()), scratch);
   if (!pair_scale) pair_scale = {looked_at().pitch, pairs.w.front()};
   stand(pairs, *pair_scale);
 }

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/feature/line_finder.hpp"
 
-#include "pipeline/feature/smoothing.hpp"
+#include "pipeline/feature/link/smoothing.hpp"
 
 #include <algorithm>
 #include <cmath>

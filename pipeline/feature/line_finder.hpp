@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "pipeline/feature/crosswise.hpp"
-#include "pipeline/feature/cuts.hpp"
-#include "pipeline/feature/detector.hpp"
-#include "pipeline/feature/joiner.hpp"
-#include "pipeline/feature/tracker.hpp"
-#include "pipeline/feature/union.hpp"
+#include "pipeline/feature/crosswise/crosswise.hpp"
+#include "pipeline/feature/lengthwise/detector.hpp"
+#include "pipeline/feature/lengthwise/tracker.hpp"
+#include "pipeline/feature/line/joiner.hpp"
+#include "pipeline/feature/link/union.hpp"
+#include "pipeline/feature/patch/cuts.hpp"
 
 #include <limits>
 #include <optional>

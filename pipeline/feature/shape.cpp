@@ -1,7 +1,7 @@
 // The classes of triplets and angles.
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/feature/feature_point.hpp"
-#include "pipeline/feature/local_fit.hpp"
+#include "pipeline/feature/fit/local_fit.hpp"
 
 #include <cmath>
 #include <cstdlib>

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/record/findings.hpp"
 
-#include "pipeline/feature/join_pieces.hpp"
+#include "pipeline/feature/line/join_pieces.hpp"
 
 #include <algorithm>
 #include <tuple>

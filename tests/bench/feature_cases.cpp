@@ -3,7 +3,7 @@
 #include "tests/bench/feature_cases.hpp"
 
 #include "pipeline/feature/feature_stage.hpp"
-#include "pipeline/feature/join_pieces.hpp"
+#include "pipeline/feature/line/join_pieces.hpp"
 #include "pipeline/pipeline.hpp"
 #include "sim/scene/catalog.hpp"
 #include "sim/truth/scan_truth.hpp"

@@ -1,6 +1,6 @@
 // Backlash of scans whose lines run to and fro: found, told, taken off, and left alone where nothing is sure.
 // SPDX-License-Identifier: Apache-2.0
-#include "pipeline/feature/join_pieces.hpp"
+#include "pipeline/feature/line/join_pieces.hpp"
 #include "tests/unit/feature/scan.hpp"
 
 #include <algorithm>

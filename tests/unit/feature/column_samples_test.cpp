@@ -1,6 +1,6 @@
 // A scan line where columns cross it: the same heights whether samples stand evenly or not.
 // SPDX-License-Identifier: Apache-2.0
-#include "pipeline/feature/column_samples.hpp"
+#include "pipeline/feature/crosswise/column_samples.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 // What tracks are kept in: values that grow at both ends, and tracks by the columns they end in or have passed over.
 // SPDX-License-Identifier: Apache-2.0
-#include "pipeline/feature/column_ends.hpp"
-#include "pipeline/feature/column_gaps.hpp"
-#include "pipeline/feature/double_ended.hpp"
+#include "pipeline/feature/crosswise/column_ends.hpp"
+#include "pipeline/feature/crosswise/column_gaps.hpp"
+#include "pipeline/feature/link/double_ended.hpp"
 
 #include <algorithm>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // Feature lines of two crossed scans: the better half of each, once, at the mean of both.
 // SPDX-License-Identifier: Apache-2.0
-#include "pipeline/feature/crossed.hpp"
+#include "pipeline/feature/line/crossed.hpp"
 
 #include <algorithm>
 #include <cmath>

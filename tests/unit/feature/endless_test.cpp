@@ -1,6 +1,6 @@
 // Feature lines that never end: bounded memory, pieces that make one line, the same for any grouping.
 // SPDX-License-Identifier: Apache-2.0
-#include "pipeline/feature/join_pieces.hpp"
+#include "pipeline/feature/line/join_pieces.hpp"
 #include "tests/unit/feature/scan.hpp"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // When a handful of points is enough.
 // SPDX-License-Identifier: Apache-2.0
-#include "pipeline/feature/evidence.hpp"
+#include "pipeline/feature/link/evidence.hpp"
 
 #include "tests/unit/feature/scan.hpp"
 

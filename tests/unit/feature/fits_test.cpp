@@ -1,7 +1,7 @@
 // What fits are made of: turnings without angles, columns with holes, walls found row by row, edges of roundings.
 // SPDX-License-Identifier: Apache-2.0
-#include "pipeline/feature/column_rows.hpp"
-#include "pipeline/feature/rounding.hpp"
+#include "pipeline/feature/crosswise/column_rows.hpp"
+#include "pipeline/feature/fit/rounding.hpp"
 
 #include <gtest/gtest.h>
 

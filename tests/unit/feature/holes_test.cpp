@@ -1,7 +1,7 @@
 // Holes through parts, and what is missing without being one.
 // SPDX-License-Identifier: Apache-2.0
-#include "pipeline/feature/holes.hpp"
-#include "pipeline/feature/join_pieces.hpp"
+#include "pipeline/feature/line/join_pieces.hpp"
+#include "pipeline/feature/patch/holes.hpp"
 #include "tests/unit/feature/scan.hpp"
 
 #include <gtest/gtest.h>

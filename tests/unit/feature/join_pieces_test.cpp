@@ -1,6 +1,6 @@
 // Pieces of feature lines put together, damaged ones too.
 // SPDX-License-Identifier: Apache-2.0
-#include "pipeline/feature/join_pieces.hpp"
+#include "pipeline/feature/line/join_pieces.hpp"
 
 #include <gtest/gtest.h>
 

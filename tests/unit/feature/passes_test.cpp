@@ -1,9 +1,9 @@
 // The loops over all samples: against their definitions, and both versions against each other.
 // SPDX-License-Identifier: Apache-2.0
-#include "pipeline/feature/column_passes.hpp"
-#include "pipeline/feature/passes.hpp"
+#include "pipeline/feature/passes/column_passes.hpp"
+#include "pipeline/feature/passes/passes.hpp"
 
-#include "pipeline/feature/steps.hpp"
+#include "pipeline/feature/fit/steps.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // What is said about feature lines that go out: vertices, ends, junctions, partners.
 // SPDX-License-Identifier: Apache-2.0
-#include "pipeline/feature/join_pieces.hpp"
-#include "pipeline/feature/thinning.hpp"
+#include "pipeline/feature/line/join_pieces.hpp"
+#include "pipeline/feature/line/thinning.hpp"
 #include "tests/unit/feature/scan.hpp"
 
 #include <algorithm>

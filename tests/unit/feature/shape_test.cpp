@@ -1,7 +1,7 @@
 // Classes of triplets and angles, and the triplets themselves.
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/feature/feature_point.hpp"
-#include "pipeline/feature/vertices.hpp"
+#include "pipeline/feature/lengthwise/vertices.hpp"
 
 #include <gtest/gtest.h>
 

@@ -2,10 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/unit/feature/scan.hpp"
 
-#include "pipeline/feature/jumps.hpp"
-#include "pipeline/feature/rises.hpp"
-#include "pipeline/feature/spikes.hpp"
-#include "pipeline/feature/steps.hpp"
+#include "pipeline/feature/fit/steps.hpp"
+#include "pipeline/feature/patch/jumps.hpp"
+#include "pipeline/feature/profile/rises.hpp"
+#include "pipeline/feature/profile/spikes.hpp"
+#include "pipeline/feature/rise_limit.hpp"
 
 #include <gtest/gtest.h>
 
@@ -51,7 +52,7 @@ Found steps_of(const Section& surface, double pitch, double noise_mm) {
   profile.s = s;
   profile.w = w;
   std::vector<std::uint32_t> scratch;
-  note_rises(profile, {noise_mm, pitch, pitch}, scratch);
+  note_rises(profile, least_rise({noise_mm, pitch, pitch}), scratch);
   Found found;
   find_steps({s, w}, 0, static_cast<std::uint32_t>(s.size()), profile.rises, FitScale::of(noise_mm, pitch, pitch), found.edges,
              found.walls);
@@ -72,7 +73,7 @@ TEST(Walls, RisesHoldAllThatSpikesWallsAndJumpsLookAt) {
       }
       profile.ends = {50, 51, 400};
       const Sampling sampling{noise, pitch, pitch};
-      note_rises(profile, sampling, scratch);
+      note_rises(profile, least_rise(sampling), scratch);
       const double least = std::min({spike_limit(noise), WallTest(noise).weak, Jumps::least_rise(sampling, 0.5 * pitch)});
       EXPECT_LE(profile.rises_above, least);
       std::uint32_t begin = 0;
