@@ -23,6 +23,7 @@ struct Options {
   std::string device = "file";
   std::string linking = "soft", backlash = "report";
   double gap = 0.0, spacing = 1.0, noise = 0.0, noise_correlation = 1.0;
+  FeatureLimits limits;
   unsigned threads = 0;
   bool has_gap = false, has_noise = false, json = false, force = false;
 };
@@ -76,6 +77,7 @@ FeatureSettings feature_settings(const Options& o) {
   settings.backlash = o.backlash == "correct" ? BacklashUse::correct : BacklashUse::report;
   if (o.has_noise) settings.noise_mm = o.noise;
   settings.noise_correlation = o.noise_correlation;
+  settings.limits = o.limits;
   return settings;
 }
 
@@ -284,6 +286,21 @@ Verb add_compress(CLI::App& root) {
   app->add_option("--noise-correlation", o->noise_correlation,
                   "The estimate of the noise is multiplied by this; 3 for laser triangulation")
       ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app->add_option("--least-turning", o->limits.least_turning, "Degrees: an edge that turns less is none")
+      ->check(CLI::Range(2.0, 90.0))
+      ->capture_default_str();
+  app->add_option("--least-step", o->limits.least_step,
+                  "A step lower than this many mm is none (at least 8 sigma of the noise)")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app->add_option("--largest-arc", o->limits.largest_arc,
+                  "An arc with a radius of more mm is a smooth surface and no rounded edge (at least 6 pitches or spacings)")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app->add_option("--shortest-line", o->limits.shortest_line,
+                  "Feature lines shorter than this many mm part patches, but are not recorded")
+      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   app->add_option("--backlash", o->backlash,
                   "Of lines to and fro: report it, or correct it where features are looked for (points stay as they are)")

@@ -3,6 +3,7 @@
 #include "daemon/cli/record.hpp"
 
 #include "daemon/config/config.hpp"
+#include "daemon/config/schema.hpp"
 #include "daemon/supervisor/device_session.hpp"
 #include "daemon/supervisor/supervisor.hpp"
 
@@ -40,9 +41,12 @@ Result<std::string> toml_row(const DriverInfo& driver, const std::string& word) 
   if (equals == std::string::npos || equals == 0) return fail(Errc::usage, word, ": is no KEY=VALUE");
   const std::string key = word.substr(0, equals);
   std::string value = word.substr(equals + 1);
-  const auto row = std::find_if(driver.options.begin(), driver.options.end(), [&](const Option& o) { return o.key == key; });
-  const bool is_text = row != driver.options.end() ? row->type == OptionType::text || row->type == OptionType::text_or_number
-                                                   : key == "linking" || key == "name";
+  const auto is_text_in = [&](std::span<const Option> options) {
+    return std::any_of(options.begin(), options.end(), [&](const Option& o) {
+      return o.key == key && (o.type == OptionType::text || o.type == OptionType::text_or_number);
+    });
+  };
+  const bool is_text = is_text_in(driver.options) || is_text_in(device_section().options);
   if (is_text) value = Json(value).dump(-1, ' ', false, Json::error_handler_t::replace);
   return key + " = " + value + "\n";
 }

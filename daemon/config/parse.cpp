@@ -176,6 +176,11 @@ std::optional<FeatureSettings> feature_settings(const OptionValues& common) {
   settings.backlash = common.text("backlash") == "correct" ? BacklashUse::correct : BacklashUse::report;
   settings.noise_mm = common.get<double>("noise");
   settings.noise_correlation = common.get<double>("noise_correlation").value_or(settings.noise_correlation);
+  FeatureLimits& limits = settings.limits;
+  limits.least_turning = common.get<double>("least_turning").value_or(limits.least_turning);
+  limits.least_step = common.get<double>("least_step").value_or(limits.least_step);
+  limits.largest_arc = common.get<double>("largest_arc").value_or(limits.largest_arc);
+  limits.shortest_line = common.get<double>("shortest_line").value_or(limits.shortest_line);
   return settings;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "pipeline/feature/feature_line.hpp"
+#include "pipeline/feature/settings.hpp"
 
 #include <cstdint>
 
@@ -39,7 +40,8 @@ struct FeaturePoint {
 /// -2 wall down, -1 down, 0 flat, 1 up, 2 wall up.
 [[nodiscard]] int slope_state(double theta) noexcept;
 /// The primitive shape of a triplet (after Tab. 1 of the paper): total over all pairs of slope states.
-[[nodiscard]] ShapeElement classify(double theta_before, double theta_after) noexcept;
+[[nodiscard]] ShapeElement classify(double theta_before, double theta_after,
+                                    double least_turning = FeatureLimits{}.least_turning) noexcept;
 
 /// delta (after Tab. 2 of the paper).
 enum class AngleClass : std::uint8_t { needle, acute, right, obtuse, flat };

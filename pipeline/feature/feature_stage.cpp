@@ -53,7 +53,7 @@ private:
 struct FeatureStage::Impl {
   Impl(Rational resolution_mm, const std::array<std::int64_t, 3>& counts, const FeatureSettings& settings)
       : resolution(resolution_mm.value()), estimator(settings, resolution_mm.value()),
-        pair_estimator(averaged(settings), resolution_mm.value()), ranker(resolution_mm), finder(settings.linking),
+        pair_estimator(averaged(settings), resolution_mm.value()), ranker(resolution_mm), finder(settings),
         publisher(origin_mm(counts, resolution)), origin(origin_mm(counts, resolution)), backlash(settings.backlash) {}
 
   static void take(const LineGroup& group, const ScanLine& line, std::span<const double> distance, RawLine& out);
@@ -185,6 +185,8 @@ bool FeatureStage::Impl::process(const RawLine& line, FeatureReport& report) {
 void FeatureStage::Impl::publish(FeatureReport& report) {
   const Sampling sampling = estimator.value();
   for (Curve& curve : curves) {
+    const bool piece = curve.front.seam || curve.back.seam;
+    if (!piece && is_shorter(curve, sampling.limits.shortest_line)) continue;
     junctions.meet(curve, sampling);
     report.lines.push_back(publisher.publish(curve, *frame, sampling, alpha));
   }

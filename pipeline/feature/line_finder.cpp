@@ -64,7 +64,7 @@ void LineFinder::shed(Track& track, const Sampling& sampling) {
   const auto decided = static_cast<std::size_t>(open - track.points.begin());
   if (decided < kLeastShed + kDecidedKept) return;
   const std::size_t count = std::min(decided - kDecidedKept, size - kKept);
-  const bool worth = track.shed > 0 || is_confirmed(track);
+  const bool worth = track.shed > 0 || is_confirmed(track, settings_.limits.least_turning);
   if (worth) {
     if (lean_ > 0.0) drop_hidden_feet(track, track.shed > 0 ? kDecidedKept : 0, count + kDecidedKept, sampling);
     cut_stretches(track, count, kFewestPoints, stretches_);
@@ -95,7 +95,7 @@ void LineFinder::settle(double settled, const Sampling& sampling, std::vector<Cu
       live_ends_.push_back({track.s_of(track.points.front()), track.c_of(track.points.front()), track.convex()});
   }
   for (Track& track : crosswise_.live()) {
-    if (!is_confirmed(track)) continue;
+    if (!is_confirmed(track, settings_.limits.least_turning)) continue;
     deciding_.push_back(&track);
     for (const TrackPoint* p : {&track.points.front(), &track.points.back()})
       live_ends_.push_back({track.s_of(*p), track.c_of(*p), track.convex()});
@@ -137,8 +137,8 @@ void LineFinder::finish(const Sampling& sampling, FeatureEnd reason, std::vector
   settle(std::numeric_limits<double>::infinity(), sampling, out);
   columns_.reset();
   rows_.clear();
-  tracker_ = Tracker(linking_);
-  crosswise_ = CrosswiseLinker(linking_);
+  tracker_ = Tracker(settings_);
+  crosswise_ = CrosswiseLinker(settings_);
   union_ = Union();
   since_settled_ = 0;
 }

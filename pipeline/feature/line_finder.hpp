@@ -17,7 +17,7 @@ namespace scansion {
 /// Thread-bound.
 class LineFinder {
 public:
-  explicit LineFinder(Linking linking) : linking_(linking), tracker_(linking), crosswise_(linking) {}
+  explicit LineFinder(const FeatureSettings& settings) : settings_(settings), tracker_(settings), crosswise_(settings) {}
 
   /// Horizontal part of the up axis: 0 for a sheet that stands upright.
   void set_lean(double lean) noexcept { lean_ = lean; }
@@ -43,7 +43,7 @@ private:
   void shed(Track& track, const Sampling& sampling);
   void settle(double settled, const Sampling& sampling, std::vector<Curve>& out);
 
-  Linking linking_;
+  FeatureSettings settings_;
   double lean_ = 0.0;
   Detector detector_;
   Tracker tracker_;

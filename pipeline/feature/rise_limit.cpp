@@ -11,7 +11,7 @@ namespace scansion {
 double least_rise(const Sampling& sampling) noexcept {
   constexpr double kMargin = 0.9; // noise and pitch are estimated anew before jumps are looked for
   const double jump = kMargin * Jumps::least_rise(sampling, PatchRow::least_even_step(sampling.pitch));
-  return std::min({spike_limit(sampling.noise), WallTest(sampling.noise).weak, jump});
+  return std::min({spike_limit(sampling.noise), WallTest(sampling.noise, sampling.limits.least_step).weak, jump});
 }
 
 } // namespace scansion

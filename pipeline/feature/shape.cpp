@@ -42,9 +42,9 @@ int slope_state(double theta) noexcept {
   return theta < 0.0 ? -size : size;
 }
 
-ShapeElement classify(double theta_before, double theta_after) noexcept {
+ShapeElement classify(double theta_before, double theta_after, double least_turning) noexcept {
   const double tau = theta_after - theta_before;
-  if (std::abs(tau) < kLeastTurning) return straight;
+  if (std::abs(tau) < least_turning) return straight;
   const auto row = static_cast<std::size_t>(slope_state(theta_before) + 2);
   const auto column = static_cast<std::size_t>(slope_state(theta_after) + 2);
   const ShapeElement shape = kShapes[row][column];

@@ -9,25 +9,33 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace scansion {
 
 namespace {
 
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-constexpr float kLeastSlopeChange = 0.1228F; // tan 7 degrees
-constexpr double kMostMissed = 3.6;          // spacings within a window
-constexpr std::size_t kMostFlank = 64;       // rows
-constexpr double kCalmer = 0.8;              // walls are marked as if the noise were less: its estimate changes
+constexpr double kMostMissed = 3.6;    // spacings within a window
+constexpr std::size_t kMostFlank = 64; // rows
+constexpr double kMostWanted = 24.0;   // rows a side
+constexpr double kCalmer = 0.8;        // walls are marked as if the noise were less: its estimate changes
 
 } // namespace
 
 Columns::Columns(const Sampling& sampling, const ColumnScale& scale) : pitch_(scale.pitch), base_(scale.base) {
   // Narrow features want narrow windows; the noise decides how narrow.
-  wanted_ = FitScale::wanted_window(sampling.noise, sampling.spacing);
+  wanted_ = FitScale::wanted_window(sampling.noise, sampling.spacing, sampling.limits.least_turning);
   window_ = std::max(kNarrowest, (wanted_ + 2) / 3);
+  // Narrow windows see nothing of arcs that are wider than edges are by default.
+  const FeatureLimits& limits = sampling.limits;
+  if (limits.largest_arc > FeatureLimits{}.largest_arc) {
+    const double rows = limits.largest_arc * limits.least_turning * std::numbers::pi / 180.0 / sampling.spacing;
+    wanted_ = std::max(wanted_, static_cast<std::size_t>(std::min(kMostWanted, std::ceil(rows))));
+    sees_arcs_ = wanted_ > window_;
+  }
   reach_ = std::max(kReach * window_, kLeastReach);
-  const std::size_t rounding = FitScale::of(sampling.noise, sampling.spacing, sampling.coarse()).widest_gap;
+  const std::size_t rounding = FitScale::of(sampling.noise, sampling.spacing, sampling.coarse(), sampling.limits).widest_gap;
   flank_reach_ = std::max(reach_, std::min(kMostFlank, rounding + 2 * wanted_));
   ring_.resize(2 * lag() + 3);
 }
@@ -98,7 +106,7 @@ void Columns::mark_walls(std::int64_t r, const Sampling& sampling) {
   constexpr double kRounded = 1e-3; // of a limit: heights of columns are
   row(r).marked_above = kCalmer * sampling.noise;
   if (r - first_ < 3) return std::fill(marks_.begin(), marks_.end(), static_cast<std::uint32_t>(r));
-  const WallTest test(kCalmer * sampling.noise);
+  const WallTest test(kCalmer * sampling.noise, sampling.limits.least_step);
   const double ds = row(r - 1).c - row(r - 2).c;
   const auto limit = [](double rise) { return static_cast<float>((1.0 - kRounded) * rise); };
   passes::mark_walls(
@@ -112,14 +120,19 @@ bool Columns::has_walls(std::size_t column, std::int64_t from) const noexcept {
   return !trusted_ || static_cast<std::uint32_t>(next_) - marks_[column] < static_cast<std::uint32_t>(next_ - from);
 }
 
+// As a change of slope, where one of the slopes is none.
+float least_slope_change(const Sampling& sampling) noexcept {
+  return static_cast<float>(std::tan(sampling.limits.least_turning * std::numbers::pi / 180.0));
+}
+
 float Columns::least_bend(std::size_t window, const Sampling& sampling) noexcept {
   const auto n = static_cast<double>(window), length = n * sampling.spacing;
   const double sigma = sampling.noise * std::sqrt(24.0 / (n * length * length));
-  return std::max(kLeastSlopeChange, static_cast<float>(kLeastSignificance * sigma));
+  return std::max(least_slope_change(sampling), static_cast<float>(kLeastSignificance * sigma));
 }
 
 bool Columns::looks_wide(const Sampling& sampling) const noexcept {
-  return wanted_ > window_ && least_bend(window_, sampling) > kLeastSlopeChange;
+  return sees_arcs_ || (wanted_ > window_ && least_bend(window_, sampling) > least_slope_change(sampling));
 }
 
 // Slope after minus slope before for row r: one weighted sum of rows.
@@ -163,7 +176,7 @@ ColumnPoint Columns::column_point(std::int64_t r, std::size_t column, const Feat
 
 // The rows that a fit may use: not beyond those that bend half as much themselves, nor beyond steps.
 Reach Columns::rows_of_bend(std::int64_t row, std::size_t column, const Screen& screen, bool walls) const {
-  const auto reach = static_cast<std::int64_t>(reach_), near = screen.window / 2;
+  const auto reach = static_cast<std::int64_t>(reach_), near = sees_arcs_ ? screen.window : screen.window / 2;
   const auto bend = [&](std::int64_t k) { return std::abs((rows_[k].*screen.bend)[column]); };
   const float half = 0.5F * bend(row);
   const auto peak = [&](std::int64_t k) {
@@ -263,7 +276,7 @@ void Columns::view_rows() {
 }
 
 void Columns::harvest(std::int64_t r, const Sampling& sampling, std::vector<ColumnPoint>& out) {
-  const FitScale scale = FitScale::of(sampling.noise, sampling.spacing, sampling.coarse());
+  const FitScale scale = FitScale::of(sampling.noise, sampling.spacing, sampling.coarse(), sampling.limits);
   const auto near = std::max<std::int64_t>(1, static_cast<std::int64_t>(wanted_) / 2);
   narrow_ = {&ColumnRow::bend, static_cast<std::int64_t>(window_), near, least_bend(window_, sampling)};
   wide_ = {&ColumnRow::wide, static_cast<std::int64_t>(wanted_), near, least_bend(wanted_, sampling)};

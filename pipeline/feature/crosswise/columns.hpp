@@ -96,6 +96,7 @@ private:
   [[nodiscard]] ColumnPoint column_point(std::int64_t r, std::size_t column, const FeaturePoint& feature) const;
 
   double pitch_ = 1.0, base_ = 0.0;
+  bool sees_arcs_ = false;       // whether wide ones are looked for
   std::size_t wanted_ = 5;       // N: rows a side of a fit
   std::size_t window_ = 2;       // rows a side of the screening
   std::size_t reach_ = 10;       // rows a side that a fit may use

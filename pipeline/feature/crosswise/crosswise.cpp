@@ -179,7 +179,7 @@ void CrosswiseLinker::vacate(std::uint32_t track) {
 void CrosswiseLinker::end(std::span<std::uint32_t> tracks, std::vector<Track>& ended) {
   std::sort(tracks.begin(), tracks.end(), [&](std::uint32_t a, std::uint32_t b) { return live_[a].id < live_[b].id; });
   for (const std::uint32_t t : tracks) {
-    live_[t].confirmed = is_confirmed(live_[t]);
+    live_[t].confirmed = is_confirmed(live_[t], least_turning_);
     if (live_[t].confirmed) ended.push_back(std::move(live_[t]));
     vacate(t);
   }

@@ -16,7 +16,8 @@ namespace scansion {
 /// Thread-bound.
 class CrosswiseLinker {
 public:
-  explicit CrosswiseLinker(Linking linking) : linking_(linking) {}
+  explicit CrosswiseLinker(const FeatureSettings& settings)
+      : linking_(settings.linking), least_turning_(settings.limits.least_turning) {}
 
   /// Points in the order in which Columns finds them. `pitch`: of the columns, always the same; `settled`: no point with a
   /// smaller c will come.
@@ -54,6 +55,7 @@ private:
   void vacate(std::uint32_t track);
 
   Linking linking_;
+  double least_turning_; // degrees
   std::vector<Track> live_;
   std::vector<Ends> ends_;     ///< of these tracks
   std::vector<double> latest_; ///< c up to which a point may continue them at least, less what depends on the spacing; mm

@@ -189,7 +189,7 @@ void Window::place(Corner& corner, const FitScale& scale) const noexcept {
   if (u * u + v * v > limit * limit) return;
   corner.s += u;
   corner.w += v;
-  if (!corner.fitted || !corner.turning.exceeds(kLeastTurning / kDegrees)) return; // refused anyway
+  if (!corner.fitted || !corner.turning.exceeds(scale.least_turning / kDegrees)) return; // refused anyway
   const BentFlanks flanks{sums_, lines.direction(kBefore), lines.direction(kAfter), scale.variance(),
                           std::min(-du(l_), du(r_))};
   const double moved = flanks.moved(u);
@@ -231,8 +231,8 @@ void Window::measure(Corner& corner, const FitScale& scale) const noexcept {
 // The sharpest corner over windows of 1, 2, 4 and 8 times the least one, or the first clear one. Empty: an arc, or straight.
 std::optional<Corner> find_corner(const Heights& heights, std::uint32_t k, const Reach& reach, const FitScale& scale) {
   constexpr double kClearSharpness = 2.0, kClearSignificance = 8.0, kArc = -1.0, kSureCorner = 4.0;
-  constexpr double kStraight = 4.0 / kDegrees; // what turns no more is noise, or straight
-  constexpr double kHardly = 2.5;              // sigmas: what turns no more over the least window hardly does over wider ones
+  const double straight = 4.0 / 7.0 * scale.least_turning / kDegrees; // what turns no more is noise, or straight
+  constexpr double kHardly = 2.5; // sigmas: what turns no more over the least window hardly does over wider ones
   Window window(heights, k, reach.before, reach.after);
   std::optional<Corner> best;
   bool arc = false;
@@ -243,7 +243,7 @@ std::optional<Corner> find_corner(const Heights& heights, std::uint32_t k, const
     if (window.samples() == samples) break;
     samples = window.samples();
     Corner corner = window.corner(factor * scale.least_window, scale);
-    if (!corner.turning.exceeds(kStraight)) return std::nullopt;
+    if (!corner.turning.exceeds(straight)) return std::nullopt;
     if (factor == 1 && !corner.is_significant(kHardly)) return std::nullopt;
     window.measure(corner, scale);
     if (factor == 1 && corner.radius > scale.arc_radius)
@@ -267,17 +267,20 @@ double Bend::significance() const noexcept {
   return std::abs(tau) / sigma_tau;
 }
 
-std::uint32_t FitScale::wanted_window(double noise, double pitch) noexcept {
-  const double wanted = std::cbrt(12.0 * noise * noise / (pitch * pitch * 0.026 * 0.026));
+std::uint32_t FitScale::wanted_window(double noise, double pitch, double least_turning) noexcept {
+  const double slope = 0.026 * std::min(1.0, least_turning / kLeastTurning);
+  const double wanted = std::cbrt(12.0 * noise * noise / (pitch * pitch * slope * slope));
   return static_cast<std::uint32_t>(std::min(24.0, std::ceil(wanted)));
 }
 
-FitScale FitScale::of(double noise, double pitch, double coarse) noexcept {
+FitScale FitScale::of(double noise, double pitch, double coarse, const FeatureLimits& limits) noexcept {
   FitScale scale;
   scale.noise = noise;
   scale.pitch = pitch;
-  scale.least_window = std::max(5U, wanted_window(noise, pitch));
-  scale.arc_radius = std::max(3.0, 6.0 * coarse);
+  scale.least_window = std::max(5U, wanted_window(noise, pitch, limits.least_turning));
+  scale.arc_radius = std::max(limits.largest_arc, 6.0 * coarse);
+  scale.least_turning = limits.least_turning;
+  scale.least_step = limits.least_step;
   constexpr double kMost = 400.0; // samples
   constexpr double kAslant = 1.6; // a section aslant shows roundings wider than they are
   constexpr double kTelling =
@@ -300,7 +303,7 @@ Bend fit_bend(const Heights& heights, std::uint32_t k, std::uint32_t before, std
 std::optional<Bend> find_bend(const Heights& heights, std::uint32_t k, const Reach& reach, const FitScale& scale) {
   constexpr double kStrong = 20.0 / kDegrees; // what turns more is an edge even if its flanks are bent
   std::optional<Corner> corner = find_corner(heights, k, reach, scale);
-  if (!corner || !corner->turning.exceeds(kLeastTurning / kDegrees) || !corner->is_significant(kLeastSignificance))
+  if (!corner || !corner->turning.exceeds(scale.least_turning / kDegrees) || !corner->is_significant(kLeastSignificance))
     return std::nullopt;
   RoundedEdge edge;
   switch (find_rounding(heights, k, reach.first, reach.last, corner->window, corner->s, corner->turning, scale, edge)) {

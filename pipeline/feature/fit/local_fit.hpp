@@ -33,21 +33,25 @@ struct Bend {
   [[nodiscard]] double significance() const noexcept;
 };
 
+inline constexpr double kLeastTurning = FeatureLimits{}.least_turning, kLeastStep = FeatureLimits{}.least_step;
+
 /// Windows and limits that follow from the sampling.
 struct FitScale {
-  double noise = 0.0, pitch = 0.0; ///< mm
-  std::uint32_t least_window = 5;  ///< N0: samples a side for a slope within 1.5 degrees
-  double arc_radius = 3.0;         ///< r_arc: an arc of a larger radius is no feature
-  std::uint32_t widest_gap = 0;    ///< samples from an edge to the flank beyond the widest rounding
-  std::uint32_t telling_flank = 0; ///< samples of a straight stretch that is no part of such a rounding
+  double noise = 0.0, pitch = 0.0;      ///< mm
+  std::uint32_t least_window = 5;       ///< N0: samples a side for a slope within 1.5 degrees
+  double arc_radius = 3.0;              ///< r_arc: an arc of a larger radius is no feature
+  double least_turning = kLeastTurning; ///< degrees: less is straight
+  double least_step = kLeastStep;       ///< mm: height of a step
+  std::uint32_t widest_gap = 0;         ///< samples from an edge to the flank beyond the widest rounding
+  std::uint32_t telling_flank = 0;      ///< samples of a straight stretch that is no part of such a rounding
 
   /// Of a height, mm2: that of the noise and of half a micrometre, by which counts are rounded.
   [[nodiscard]] double variance() const noexcept { return noise * noise + 2.5e-7; }
-  /// Samples a side for a slope within 1.5 degrees, at most 24.
-  static std::uint32_t wanted_window(double noise, double pitch) noexcept;
+  /// Samples a side for a slope within 1.5 degrees, or less where edges may turn less than by default; at most 24.
+  static std::uint32_t wanted_window(double noise, double pitch, double least_turning) noexcept;
   /// Of a height, mm: that of the noise and of rounding to counts.
   [[nodiscard]] double sigma() const noexcept { return noise + 0.0005; }
-  static FitScale of(double noise, double pitch, double coarse) noexcept;
+  static FitScale of(double noise, double pitch, double coarse, const FeatureLimits& limits = {}) noexcept;
 };
 
 /// Fits `window` samples a side of sample k, not beyond `before` and `after`.
@@ -68,7 +72,6 @@ struct Reach {
 [[nodiscard]] std::optional<Bend> find_crest(const Heights& heights, std::uint32_t k, std::uint32_t before, std::uint32_t after,
                                              double radius_limit, const FitScale& scale);
 
-inline constexpr double kLeastTurning = 7.0;      ///< degrees: less is straight
 inline constexpr double kLeastSignificance = 3.5; ///< sigmas
 
 } // namespace scansion

@@ -21,7 +21,7 @@ FeaturePoint make_point(const Bend& bend, std::uint32_t k, const FitScale& scale
   p.window = bend.window;
   const double sine = std::abs(std::sin(bend.tau * std::numbers::pi / 180.0));
   p.sigma_s = std::min(2.0 * scale.pitch, 1.5 * scale.noise / std::max(0.1, sine)) + 0.15 * scale.pitch;
-  p.element = classify(p.theta_before, p.theta_after);
+  p.element = classify(p.theta_before, p.theta_after, scale.least_turning);
   p.type = p.tau < 0.0 ? FeatureType::convex : FeatureType::concave;
   if (p.element == ShapeElement::step_top) p.type = FeatureType::step_top;
   if (p.element == ShapeElement::step_bottom) p.type = FeatureType::step_bottom;

@@ -64,8 +64,8 @@ bool is_step(const Heights& h, std::uint32_t begin, std::uint32_t end, const Wal
 
 } // namespace
 
-WallTest::WallTest(double sigma) noexcept
-    : strong(std::max(8.0 * sigma, 0.09)), weak(std::max(8.0 * sigma, 0.05)), noise(4.0 * sigma) {}
+WallTest::WallTest(double sigma, double least_step) noexcept
+    : strong(std::max(8.0 * sigma, least_step)), weak(std::max(8.0 * sigma, 5.0 / 9.0 * least_step)), noise(4.0 * sigma) {}
 
 namespace {
 

@@ -25,8 +25,8 @@ struct WallTest {
   static constexpr std::uint32_t kBeside = 3;       ///< intervals on each side of a wall that are asked whether it goes on
   double strong, weak;                              ///< least rise of a wall: by its slope; by standing out from its neighbours
   double noise;                                     ///< four sigma
-  explicit WallTest(double sigma) noexcept;
-  explicit WallTest(const FitScale& scale) noexcept : WallTest(scale.noise) {}
+  WallTest(double sigma, double least_step) noexcept;
+  explicit WallTest(const FitScale& scale) noexcept : WallTest(scale.noise, scale.least_step) {}
 
   /// What rises more is steep: slopes of 60 to 70 degrees are not for their noise.
   [[nodiscard]] double steep_rise(double ds) const noexcept {

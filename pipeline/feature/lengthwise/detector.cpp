@@ -28,11 +28,10 @@ Turning turning_of(const Profile& profile, const Vertex& vertex) noexcept {
   return Turning::between(direction(vertex.before, vertex.k), direction(vertex.k, vertex.after));
 }
 
-// Whether a vertex that turns like this may be a corner at all: over its flanks one turns by 7 degrees, and against its
+// Whether a vertex that turns like this may be a corner at all: over its flanks one turns by the least angle, and against its
 // neighbours, which stand on these flanks or beyond their ends, about as much.
-bool may_be_corner(const Turning& turning) noexcept {
-  constexpr double kLeast = 0.1051042352657; // tangent of 6 degrees
-  return std::abs(turning.sine) >= kLeast * turning.cosine;
+bool may_be_corner(const Turning& turning, double least_tangent) noexcept {
+  return std::abs(turning.sine) >= least_tangent * turning.cosine;
 }
 
 } // namespace
@@ -123,7 +122,7 @@ void Detector::sort(std::vector<FeaturePoint>& out) {
 void Detector::detect(const Profile& profile, const Sampling& sampling, std::vector<FeaturePoint>& out) {
   found_.clear();
   walls_.clear();
-  const FitScale scale = FitScale::of(sampling.noise, sampling.pitch, sampling.coarse());
+  const FitScale scale = FitScale::of(sampling.noise, sampling.pitch, sampling.coarse(), sampling.limits);
   const double least = least_distance(sampling.noise);
   const Heights heights{profile.s, profile.w};
   std::uint32_t begin = 0;
@@ -139,11 +138,13 @@ void Detector::detect(const Profile& profile, const Sampling& sampling, std::vec
   std::size_t wall = 0, run = 0;
   begin = 0;
   rounding_end_ = 0;
+  // (Both follow from few samples: a margin.)
+  const double least_tangent = std::tan(6.0 / 7.0 * scale.least_turning * std::numbers::pi / 180.0);
   for (const Vertex& vertex : vertices_) {
     while (vertex.k >= profile.ends[run]) begin = profile.ends[run++];
     if (vertex.k < begin + kLineEnd || vertex.k + kLineEnd >= profile.ends[run]) continue;
     const Turning turning = turning_of(profile, vertex);
-    if (!may_be_corner(turning)) continue;
+    if (!may_be_corner(turning, least_tangent)) continue;
     // The vertices of one rounding see the same edge.
     if (vertex.k < rounding_end_ && turning.clockwise() == rounds_clockwise_) continue;
     while (wall < walls_.size() && walls_[wall].high + 1 < vertex.k) ++wall;

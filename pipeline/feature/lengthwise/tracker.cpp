@@ -27,12 +27,12 @@ TrackPoint track_point(const Profile& profile, std::int64_t step, const FeatureP
   return p;
 }
 
-void append(Track& track, const TrackPoint& point) {
+void append(Track& track, const TrackPoint& point, double least_turning) {
   track.points.push_back(point);
   track.means.follow(point.feature);
   track.misses = 0;
   track.guided_in_row = point.feature.guided ? track.guided_in_row + 1 : 0;
-  if (!track.confirmed) track.confirmed = is_confirmed(track);
+  if (!track.confirmed) track.confirmed = is_confirmed(track, least_turning);
 }
 
 std::uint32_t nearest_sample(const Profile& profile, double s) {
@@ -72,7 +72,7 @@ void Tracker::take_links(const Profile& profile, std::int64_t step, const std::v
     if (point_of_[link.track] >= 0 || taken_[link.point]) continue;
     point_of_[link.track] = static_cast<std::int32_t>(link.point);
     taken_[link.point] = true;
-    append(live_[link.track], track_point(profile, step, points[link.point]));
+    append(live_[link.track], track_point(profile, step, points[link.point]), least_turning_);
   }
 }
 
@@ -85,7 +85,7 @@ bool Tracker::guide(Track& track, const Expectation& expected, const Profile& pr
   if (track.points.size() < kOldEnough || track.guided_in_row >= kMostInRow || profile.size() < 8) return false;
   const FeaturePoint& last = track.points.back().feature;
   if (last.step || last.smooth || last.window == 0) return false;
-  const FitScale scale = FitScale::of(sampling.noise, sampling.pitch, sampling.coarse());
+  const FitScale scale = FitScale::of(sampling.noise, sampling.pitch, sampling.coarse(), sampling.limits);
   double s = expected.q;
   Bend bend;
   std::uint32_t k = 0;
@@ -111,7 +111,7 @@ bool Tracker::guide(Track& track, const Expectation& expected, const Profile& pr
   point.width = last.width;
   point.guided = true;
   point.narrow_sharpness = 0.0; // was not asked
-  append(track, track_point(profile, step, point));
+  append(track, track_point(profile, step, point), least_turning_);
   return true;
 }
 
@@ -119,7 +119,7 @@ void Tracker::end(Track& track, FeatureEnd reason, std::vector<Track>& ended) {
   track.cut_guided_end();
   track.ends = reason;
   track.growing = false;
-  track.confirmed = track.shed > 0 || is_confirmed(track);
+  track.confirmed = track.shed > 0 || is_confirmed(track, least_turning_);
   if (track.confirmed)
     ended.push_back(std::exchange(track, {}));
   else

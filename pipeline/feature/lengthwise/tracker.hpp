@@ -14,7 +14,8 @@ namespace scansion {
 /// Thread-bound.
 class Tracker {
 public:
-  explicit Tracker(Linking linking) : linking_(linking) {}
+  explicit Tracker(const FeatureSettings& settings)
+      : linking_(settings.linking), least_turning_(settings.limits.least_turning) {}
 
   /// `step` counts scan lines, missing ones too. Tracks that end go to `ended`.
   void add(const Profile& profile, std::int64_t step, const std::vector<FeaturePoint>& points, const Sampling& sampling,
@@ -39,6 +40,7 @@ private:
   void end(Track& track, FeatureEnd reason, std::vector<Track>& ended);
 
   Linking linking_;
+  double least_turning_;    // degrees
   std::vector<Track> live_; // ascending id
   std::uint64_t next_id_ = 1;
   std::vector<Expectation> expected_;

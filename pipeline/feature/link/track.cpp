@@ -83,11 +83,11 @@ Axis axis_of(const Track& track, TrackEnd end) {
   return axis;
 }
 
-bool is_confirmed(const Track& track) {
+bool is_confirmed(const Track& track, double least_turning) {
   constexpr std::size_t kFewest = 4, kPoints = 5;
   // What turns little must be seen more often: noise and the polygons of smooth surfaces turn little too.
   constexpr std::size_t kFairPoints = 6, kWeakPoints = 9;
-  constexpr double kTurning = 8.0, kWeak = 20.0, kStrong = 30.0, kSharpness = 1.5;
+  constexpr double kAboveLeast = 1.0, kWeak = 20.0, kStrong = 30.0, kSharpness = 1.5;
   const std::size_t n = track.points.size();
   if (n < kFewest) return false;
   const auto span = static_cast<double>(std::abs(track.points.back().step - track.points.front().step) + 1);
@@ -106,7 +106,7 @@ bool is_confirmed(const Track& track) {
   for (const TrackPoint& p : track.points) turning.push_back(std::abs(p.feature.tau));
   std::nth_element(turning.begin(), turning.begin() + static_cast<std::ptrdiff_t>(n / 2), turning.end());
   const double middle = turning[n / 2];
-  if (middle < kTurning) return false;
+  if (middle < least_turning + kAboveLeast) return false;
   return evidence.is_edge() || n >= (middle < kWeak ? kWeakPoints : middle < kStrong ? kFairPoints : kPoints);
 }
 

@@ -83,6 +83,6 @@ inline constexpr std::size_t kAxisPoints = 6;
 [[nodiscard]] Axis axis_of(const Track& track, TrackEnd end);
 
 /// Confirmed: long, strong and sharp enough to be published.
-[[nodiscard]] bool is_confirmed(const Track& track);
+[[nodiscard]] bool is_confirmed(const Track& track, double least_turning);
 
 } // namespace scansion

@@ -18,7 +18,7 @@ constexpr double kBeside = 2.5;              // pitches from a step's cut to the
 constexpr double kAtOnce = 1.1;              // and from that of a crease
 
 double least_wall(const Sampling& sampling) noexcept {
-  return std::max(8.0 * sampling.noise, 0.09);
+  return std::max(8.0 * sampling.noise, sampling.limits.least_step);
 }
 
 // Goes through what is sorted by column, asked for columns in ascending order.

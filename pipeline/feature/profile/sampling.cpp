@@ -65,6 +65,7 @@ Sampling SamplingEstimator::value() const noexcept {
   constexpr double kMostLines = 32.0;
   const double estimate = noise_.empty() ? 0.0 : noise_.value() * settings_.noise_correlation;
   Sampling out;
+  out.limits = settings_.limits;
   out.noise = std::max({settings_.noise_mm.value_or(estimate), kFloor, kCount * resolution_});
   out.pitch = pitch_.empty() ? 1.0 : pitch_.value();
   out.spacing = spacing_.empty() ? out.pitch : std::max(spacing_.value(), out.pitch / kMostLines);

@@ -24,11 +24,12 @@ private:
   std::size_t count_ = 0, next_ = 0;
 };
 
-/// Lengths in mm.
+/// Lengths in mm. What is looked for at all goes along with what the scan allows to be found.
 struct Sampling {
-  double noise = 0.0;                                                               ///< sigma of a height
-  double pitch = 0.0;                                                               ///< p: from sample to sample
-  double spacing = 0.0;                                                             ///< D: from line to line
+  double noise = 0.0;   ///< sigma of a height
+  double pitch = 0.0;   ///< p: from sample to sample
+  double spacing = 0.0; ///< D: from line to line
+  FeatureLimits limits{};
   [[nodiscard]] double coarse() const noexcept { return std::max(pitch, spacing); } ///< u
 };
 

@@ -172,6 +172,18 @@ def backlash_is_told(kit):
         check(b"backlash" in kit.scansion("info", recording).out, "text of info")
 
 
+def limits_are_set(kit):
+    place = Place(kit)
+    found = lambda recording: kit.scansion("info", recording, "--json").json()
+    usual = found(place.recording)
+    check(usual["features"] > 0, "features by default")
+    few = found(kit.compress(place.scan, place.path("long.mcap"), "--shortest-line", 1000))
+    same((few["features"], few["patches"]), (0, usual["patches"]), "with no line long enough")
+    strong = found(kit.compress(place.scan, place.path("strong.mcap"), "--least-turning", 89, "--least-step", 1000, "--largest-arc", 0.1))
+    check(strong["features"] < usual["features"], f"of {usual['features']} lines still {strong['features']}")
+    kit.refused(2, "compress", place.scan, "-o", place.path("none.mcap"), "--least-turning", 1, says="--least-turning")
+
+
 def nothing_else_changes(kit):
     place = Place(kit)
     off = kit.compress(place.scan, place.path("off.mcap"), "--features", "off")
@@ -197,4 +209,4 @@ def cut_and_compared(kit):
 
 
 if __name__ == "__main__":
-    run_cases("features", [crossed_scans, backlash_is_told, every_form_says_the_same, units_and_ranges, patches_of_points, holes_are_named, nothing_else_changes, cut_and_compared])
+    run_cases("features", [crossed_scans, backlash_is_told, limits_are_set, every_form_says_the_same, units_and_ranges, patches_of_points, holes_are_named, nothing_else_changes, cut_and_compared])

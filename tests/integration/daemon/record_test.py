@@ -29,7 +29,7 @@ class Record(PortDriverTest):
 
     def test_transcripts_give_the_same_recording(self):
         want = self.counts(self.scan(200, points=50))
-        for device, driver, keys in (("gocator", "lmi-gocator", ["spacing=0.1"]),
+        for device, driver, keys in (("gocator", "lmi-gocator", ["spacing=0.1", "backlash=correct", "least_turning=10"]),
                                      ("stream", "stream", ["fields=line x y z", "pause_ms=700"]),
                                      ("scip", "hokuyo-scip", ["start=500", "end=580", "spacing=0.1"])):
             with self.subTest(driver):

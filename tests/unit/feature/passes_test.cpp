@@ -83,7 +83,7 @@ TEST(Passes, FindWhereColumnsBendMost) {
 }
 
 TEST(Passes, MarkEveryColumnWhereAWallMayStart) {
-  const WallTest test(0.005);
+  const WallTest test(0.005, FeatureLimits{}.least_step);
   constexpr double kSpacing = 0.2;
   const passes::WallLimits limits{static_cast<float>(test.least_rise(kSpacing)), static_cast<float>(test.steep_rise(kSpacing)),
                                   static_cast<float>(WallTest::kLonely)};

@@ -74,7 +74,8 @@ TEST(Walls, RisesHoldAllThatSpikesWallsAndJumpsLookAt) {
       profile.ends = {50, 51, 400};
       const Sampling sampling{noise, pitch, pitch};
       note_rises(profile, least_rise(sampling), scratch);
-      const double least = std::min({spike_limit(noise), WallTest(noise).weak, Jumps::least_rise(sampling, 0.5 * pitch)});
+      const double least =
+          std::min({spike_limit(noise), WallTest(noise, kLeastStep).weak, Jumps::least_rise(sampling, 0.5 * pitch)});
       EXPECT_LE(profile.rises_above, least);
       std::uint32_t begin = 0;
       for (const std::uint32_t end : profile.ends) {
