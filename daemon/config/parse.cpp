@@ -5,6 +5,7 @@
 #include "daemon/config/schema.hpp"
 #include "daemon/config/toml.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 

@@ -45,9 +45,8 @@ int slope_state(double theta) noexcept {
 ShapeElement classify(double theta_before, double theta_after, double least_turning) noexcept {
   const double tau = theta_after - theta_before;
   if (std::abs(tau) < least_turning) return straight;
-  const auto row = static_cast<std::size_t>(slope_state(theta_before) + 2);
-  const auto column = static_cast<std::size_t>(slope_state(theta_after) + 2);
-  const ShapeElement shape = kShapes[row][column];
+  const int row = slope_state(theta_before) + 2, column = slope_state(theta_after) + 2;
+  const ShapeElement shape = kShapes[static_cast<std::size_t>(row)][static_cast<std::size_t>(column)];
   return tau > 0.0 ? concave(shape) : shape;
 }
 

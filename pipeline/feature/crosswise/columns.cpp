@@ -7,6 +7,7 @@
 #include "pipeline/feature/passes/column_passes.hpp"
 #include "pipeline/feature/passes/passes.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
