@@ -5,14 +5,19 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <stdlib.h>
 #include <sys/file.h>
 
 namespace scansion {
 namespace {
 
+// On a device node, as ports are: /proc/locks names files of an overlay file system otherwise than stat does.
 TEST(SerialList, NamesWhatStandsInTheWay) {
-  const std::string path = testing::TempDir() + "scansion-port-" + std::to_string(::getpid());
-  const UniqueFd port(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
+  UniqueFd master(::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC));
+  char path[64];
+  ASSERT_TRUE(master && ::grantpt(master.get()) == 0 && ::unlockpt(master.get()) == 0 &&
+              ::ptsname_r(master.get(), path, sizeof path) == 0);
+  const UniqueFd port(::open(path, O_RDWR | O_NOCTTY | O_CLOEXEC));
   ASSERT_TRUE(port);
   std::string problem;
   std::string fix;
@@ -22,7 +27,11 @@ TEST(SerialList, NamesWhatStandsInTheWay) {
   check_access(path, problem, fix);
   EXPECT_EQ(problem, "in use by another program");
   EXPECT_NE(fix, "");
-  ::unlink(path.c_str());
+  ASSERT_EQ(::flock(port.get(), LOCK_UN), 0);
+  check_access(path, problem, fix);
+  EXPECT_EQ(problem, "");
+  EXPECT_EQ(fix, "");
+  master.reset();
   check_access(path, problem, fix);
   EXPECT_NE(problem, "");
 }
