@@ -1,12 +1,15 @@
 // What every verb shares.
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/cli/command.hpp"
+#include "daemon/cli/streams.hpp"
 
 #include <array>
 #include <atomic>
 #include <charconv>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <unistd.h>
 
 namespace scansion::cli {
@@ -21,9 +24,21 @@ extern "C" void on_stop_signal(int) {
 } // namespace
 
 void say(const std::string& message) {
-  const std::string line = "scansion: " + message + "\n";
+  const std::string line = "scansion: " + with_names_of_the_user(message) + "\n";
   // Nothing can be told if standard error is gone.
   static_cast<void>(std::fwrite(line.data(), 1, line.size(), stderr));
+}
+
+const CLI::Validator& positive_number() {
+  static const CLI::Validator validator(
+      [](std::string& text) {
+        char* end = nullptr;
+        const double value = std::strtod(text.c_str(), &end);
+        const bool good = end != text.c_str() && *end == '\0' && value > 0.0 && std::isfinite(value);
+        return good ? std::string() : "'" + text + "' is no number above 0";
+      },
+      "above 0");
+  return validator;
 }
 
 void catch_stop_signals() {

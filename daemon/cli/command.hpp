@@ -39,6 +39,9 @@ struct Verb {
 [[nodiscard]] Verb add_start(CLI::App& root);
 [[nodiscard]] Verb add_completion(CLI::App& root);
 
+/// Takes numbers above 0, and says so otherwise.
+[[nodiscard]] const CLI::Validator& positive_number();
+
 /// One line on standard error, with the program's name in front.
 void say(const std::string& message);
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/line_cursor.hpp"
+#include "daemon/cli/streams.hpp"
 #include "pipeline/export/value_format.hpp"
 #include "pipeline/record/findings.hpp"
 
@@ -141,8 +142,10 @@ Result<Difference> first_difference(const Options& o, RecordingReader& a, Record
 }
 
 Result<int> run_compare(const Options& o) {
-  SCANSION_TRY(a, RecordingReader::open(o.a));
-  SCANSION_TRY(b, RecordingReader::open(o.b));
+  SCANSION_TRY(path_a, readable_recording(o.a));
+  SCANSION_TRY(path_b, readable_recording(o.b));
+  SCANSION_TRY(a, RecordingReader::open(path_a));
+  SCANSION_TRY(b, RecordingReader::open(path_b));
   SCANSION_TRY(values_a, ValueFormat::make(a.facts().lattice, Unit::mm, false));
   SCANSION_TRY(values_b, ValueFormat::make(b.facts().lattice, Unit::mm, false));
   Comparison comparison(o, values_a, values_b);

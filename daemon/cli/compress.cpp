@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/group_workers.hpp"
+#include "daemon/cli/streams.hpp"
 #include "pipeline/codec/crc32c.hpp"
 #include "pipeline/feature/feature_stage.hpp"
 #include "pipeline/import/import.hpp"
@@ -232,10 +233,9 @@ Result<int> compress(Options o) {
   SCANSION_TRY(import, import_options(o));
   if (o.threads == 0) o.threads = std::max(1U, std::thread::hardware_concurrency());
   o.threads = std::min(o.threads, kMostThreads);
-  // Standard output gets the finished recording through a temporary file.
-  const bool to_stdout = o.output == "-";
-  const std::string target = to_stdout ? temporary_folder() + "/scansion-stdout" : o.output;
-  SCANSION_TRY(pending, PendingFile::create(target, o.force || to_stdout));
+  SCANSION_TRY(json_has_room(o.json, o.output));
+  SCANSION_TRY(spares_inputs(o.output, o.inputs));
+  SCANSION_TRY(pending, RecordingOutput::create(o.output, o.force));
   SCANSION_TRY(importer, Importer::open(o.inputs, import, [](const std::string& note) { say(note); }));
 
   Compression compression(o, levels);
@@ -246,11 +246,7 @@ Result<int> compress(Options o) {
     totals = compression.write(importer, pending.name());
   }
   if (!totals) return boost::outcome_v2::failure(totals.error());
-  if (to_stdout) {
-    SCANSION_TRY(copy_to_stdout(pending.name()));
-  } else {
-    SCANSION_TRY(pending.commit());
-  }
+  SCANSION_TRY(pending.commit());
   totals.value().wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
   report(o, totals.value());
   return kDone;
@@ -269,7 +265,7 @@ Verb add_compress(CLI::App& root) {
   app->add_option("--unit", o->unit, "Unit of the input: m, mm, um, in, ft")->capture_default_str();
   app->add_option("--resolution", o->resolution, "Input units per count, or auto (from the decimals), or exact (every bit)")
       ->capture_default_str();
-  auto* gap = app->add_option("--gap", o->gap, "A step longer than this many mm starts a new run")->check(CLI::PositiveNumber);
+  auto* gap = app->add_option("--gap", o->gap, "A step longer than this many mm starts a new run")->check(positive_number());
   app->add_option("--levels", o->levels, "geometric:N[:RATIO], uniform:N[:DMAX] or explicit:T1,T2,... in mm")
       ->capture_default_str();
   app->add_option("--floor", o->floor, "Rank no finer than this: off, half (a count) or mm; stated in the recording")
@@ -282,10 +278,10 @@ Verb add_compress(CLI::App& root) {
       ->capture_default_str();
   auto* noise =
       app->add_option("--noise", o->noise, "Sigma of the heights in mm, measured on a flat target (default: estimated)")
-          ->check(CLI::PositiveNumber);
+          ->check(positive_number());
   app->add_option("--noise-correlation", o->noise_correlation,
                   "The estimate of the noise is multiplied by this; 3 for laser triangulation")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->capture_default_str();
   app->add_option("--least-turning", o->limits.least_turning, "Degrees: an edge that turns less is none")
       ->check(CLI::Range(2.0, 90.0))
@@ -314,7 +310,7 @@ Verb add_compress(CLI::App& root) {
       ->check(CLI::IsMember({"cols", "rows"}))
       ->capture_default_str();
   app->add_option("--spacing", o->spacing, "Input units between profiles that have no y")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->capture_default_str();
   app->add_option("--columns", o->columns, "What text columns mean, e.g. x,z,- or x,y,z,line");
   app->add_option("--device", o->device, "Name of the device in the recording")->capture_default_str();

@@ -1,6 +1,7 @@
 // scansion export: any level of detail of a recording, as points or as the rearrangement.
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/cli/command.hpp"
+#include "daemon/cli/streams.hpp"
 #include "pipeline/export/crossed_scans.hpp"
 #include "pipeline/export/feature_writer.hpp"
 #include "pipeline/export/patch_writer.hpp"
@@ -78,18 +79,19 @@ void report(const Options& o, const Selection& s, const ExportReport& r) {
   say(text);
 }
 
-Result<void> cut_mcap(const Options& o, const RecordingReader& reader, const Selection& s) {
+Result<void> cut_mcap(const Options& o, const std::string& recording, const RecordingReader& reader, const Selection& s) {
   if (s.kind != Selection::Kind::level && s.kind != Selection::Kind::all)
     return fail(Errc::usage, "an mcap output is a recording cut to a level: give --level K (0 to ",
                 std::to_string(reader.facts().stored_levels - 1), ") or nothing");
   if (!o.lines.empty()) return fail(Errc::usage, "--lines does not go with an mcap output");
-  if (o.output == "-") return fail(Errc::usage, "an mcap output needs a file");
+  if (!o.unit.empty() || o.single)
+    return fail(Errc::usage, "--unit and --float32 do not go with an mcap output: it keeps the recording's own values");
   const std::uint32_t level = s.kind == Selection::Kind::level ? s.level : reader.facts().stored_levels - 1;
   if (level >= reader.facts().stored_levels)
     return fail(Errc::usage, "level ", std::to_string(level), " is not stored; the recording has levels 0 to ",
                 std::to_string(reader.facts().stored_levels - 1));
-  SCANSION_TRY(pending, PendingFile::create(o.output, o.force));
-  SCANSION_TRY(cut_to_level(o.recording, level, pending.name()));
+  SCANSION_TRY(pending, RecordingOutput::create(o.output, o.force));
+  SCANSION_TRY(cut_to_level(recording, level, pending.name()));
   return pending.commit();
 }
 
@@ -110,7 +112,16 @@ Result<void> write_points(const Options& o, RecordingReader& reader, const Selec
   return success();
 }
 
-Result<void> write_rearrangement(const Options& o, RecordingReader& reader, const Selection& s, const Progress& progress) {
+/// A rearrangement is text. Endings that promise another form are refused, those that promise nothing are not.
+bool is_no_text(const Options& o, const std::string& format) {
+  if (format == "txt" || format == "xyz") return false;
+  return !o.format.empty() || format == "mcap" || parse_feature_format(format) || parse_point_format(format);
+}
+
+Result<void> write_rearrangement(const Options& o, RecordingReader& reader, const Selection& s, const std::string& format,
+                                 const Progress& progress) {
+  if (is_no_text(o, format))
+    return fail(Errc::usage, "a rearrangement is not written as '", format, "'; it is text: give --format txt");
   if (s.kind != Selection::Kind::all)
     return fail(Errc::usage, "a rearrangement holds every point in rank order: take its first rows instead of a selection");
   SCANSION_TRY(file, OutputFile::create(o.output, o.force, false));
@@ -140,7 +151,8 @@ bool crosses(const FeatureLine& line, const Selection& s) {
 }
 
 Result<std::vector<FeatureLine>> crossed_lines(const Options& o, RecordingReader& reader) {
-  SCANSION_TRY(other, RecordingReader::open(o.crossed));
+  SCANSION_TRY(path, readable_recording(o.crossed));
+  SCANSION_TRY(other, RecordingReader::open(path));
   if (!other.facts().features)
     return fail(Errc::usage, o.crossed,
                 ": was made without feature lines and patches; compress the scan again with --features on");
@@ -198,7 +210,9 @@ Result<int> run_export(const Options& o) {
   if (!o.crossed.empty() && o.what != "features")
     return fail(Errc::usage, "--crossed goes with --what features: points and patches stay those of one scan");
   SCANSION_TRY(selection, selection_of(o));
-  SCANSION_TRY(reader, RecordingReader::open(o.recording));
+  SCANSION_TRY(spares_inputs(o.output, {o.recording, o.crossed}));
+  SCANSION_TRY(recording, readable_recording(o.recording));
+  SCANSION_TRY(reader, RecordingReader::open(recording));
   const bool points = o.what == "points" || o.what == "rearrangement";
   const std::string format =
       o.format.empty() ? (o.output == "-" ? std::string(points ? "xyz" : "txt") : ending_of(o.output)) : o.format;
@@ -208,10 +222,10 @@ Result<int> run_export(const Options& o) {
     SCANSION_TRY(write_features(o, reader, selection, format));
   } else if (o.what == "patches") {
     SCANSION_TRY(write_patches(o, reader, selection, format, progress));
-  } else if (format == "mcap") {
-    SCANSION_TRY(cut_mcap(o, reader, selection));
   } else if (o.what == "rearrangement") {
-    SCANSION_TRY(write_rearrangement(o, reader, selection, progress));
+    SCANSION_TRY(write_rearrangement(o, reader, selection, format, progress));
+  } else if (format == "mcap") {
+    SCANSION_TRY(cut_mcap(o, recording, reader, selection));
   } else {
     SCANSION_TRY(write_points(o, reader, selection, format, progress));
   }

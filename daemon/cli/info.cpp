@@ -1,6 +1,7 @@
 // scansion info: what a recording holds.
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/cli/command.hpp"
+#include "daemon/cli/streams.hpp"
 #include "pipeline/record/findings.hpp"
 
 #include <cmath>
@@ -186,7 +187,8 @@ void print_text(const RecordingReader& reader, const Summary& s, double resoluti
 }
 
 Result<int> run_info(const Options& o) {
-  SCANSION_TRY(reader, RecordingReader::open(o.recording));
+  SCANSION_TRY(recording, readable_recording(o.recording));
+  SCANSION_TRY(reader, RecordingReader::open(recording));
   SCANSION_TRY(resolution, resolution_mm(reader.facts().lattice));
   SCANSION_TRY(summary, summarize(reader));
   if (o.json)

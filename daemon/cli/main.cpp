@@ -3,6 +3,7 @@
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/record.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <exception>
@@ -23,6 +24,11 @@ int run(int argc, char** argv) {
   const std::vector<Verb> verbs{add_compress(root), add_export(root), add_info(root),   add_verify(root),    add_recover(root),
                                 add_compare(root),  add_view(root),   add_status(root), add_tail(root),      add_devices(root),
                                 add_record(root),   add_stop(root),   add_start(root),  add_completion(root)};
+  if (argc > 1 && argv[1][0] != '-' &&
+      std::none_of(verbs.begin(), verbs.end(), [&](const Verb& verb) { return verb.app->get_name() == argv[1]; })) {
+    say("unknown command '" + std::string(argv[1]) + "'; scansion --help lists those there are");
+    return kUsage;
+  }
   try {
     root.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -3,6 +3,7 @@
 #include "pipeline/record/repair.hpp"
 
 #include "daemon/cli/command.hpp"
+#include "daemon/cli/streams.hpp"
 
 #include <cstdio>
 #include <memory>
@@ -23,7 +24,8 @@ nlohmann::ordered_json to_json(const std::vector<LineRange>& lost) {
 }
 
 Result<int> run_verify(const Options& o) {
-  SCANSION_TRY(r, verify(o.recording));
+  SCANSION_TRY(recording, readable_recording(o.recording));
+  SCANSION_TRY(r, verify(recording));
   if (o.json) {
     auto findings = nlohmann::ordered_json::array();
     for (const Finding& f : r.findings) findings.push_back({{"offset", f.offset}, {"what", f.what}});
@@ -52,8 +54,11 @@ Result<int> run_verify(const Options& o) {
 }
 
 Result<int> run_recover(const Options& o) {
-  SCANSION_TRY(pending, PendingFile::create(o.output, o.force));
-  SCANSION_TRY(r, recover(o.recording, pending.name()));
+  SCANSION_TRY(json_has_room(o.json, o.output));
+  SCANSION_TRY(spares_inputs(o.output, {o.recording}));
+  SCANSION_TRY(pending, RecordingOutput::create(o.output, o.force));
+  SCANSION_TRY(recording, readable_recording(o.recording));
+  SCANSION_TRY(r, recover(recording, pending.name()));
   SCANSION_TRY(pending.commit());
   if (o.json) {
     const nlohmann::ordered_json out = {{"groups", r.groups},         {"lines", r.lines},
@@ -62,14 +67,16 @@ Result<int> run_recover(const Options& o) {
                                         {"notes_lost", r.notes_lost}, {"anything_lost", r.anything_lost()}};
     std::printf("%s\n", out.dump(2).c_str());
   } else {
-    std::printf("%s: %llu groups, %llu lines, %llu points brought back; the output is verified\n", o.output.c_str(),
-                static_cast<unsigned long long>(r.groups), static_cast<unsigned long long>(r.lines),
-                static_cast<unsigned long long>(r.points));
-    if (r.bytes_skipped > 0) std::printf("  %llu bytes could not be used\n", static_cast<unsigned long long>(r.bytes_skipped));
-    if (!r.lost.empty()) std::printf("  lines lost: %s\n", ranges(r.lost).c_str());
+    std::FILE* const out = pending.to_stdout() ? stderr : stdout;
+    std::fprintf(out, "%s: %llu groups, %llu lines, %llu points brought back; the output is verified\n",
+                 pending.to_stdout() ? "standard output" : o.output.c_str(), static_cast<unsigned long long>(r.groups),
+                 static_cast<unsigned long long>(r.lines), static_cast<unsigned long long>(r.points));
+    if (r.bytes_skipped > 0)
+      std::fprintf(out, "  %llu bytes could not be used\n", static_cast<unsigned long long>(r.bytes_skipped));
+    if (!r.lost.empty()) std::fprintf(out, "  lines lost: %s\n", ranges(r.lost).c_str());
     if (r.notes_lost && r.lost.empty() && !r.tail_lost)
-      std::printf("  no line is lost, but what was said about feature lines, patches or gaps is not complete\n");
-    if (r.tail_lost) std::printf("  lines after the last whole group are lost; their number cannot be known\n");
+      std::fprintf(out, "  no line is lost, but what was said about feature lines, patches or gaps is not complete\n");
+    if (r.tail_lost) std::fprintf(out, "  lines after the last whole group are lost; their number cannot be known\n");
   }
   return r.anything_lost() ? kBadAnswer : kDone;
 }

@@ -1,6 +1,7 @@
 // scansion view: a picture of a recording from above.
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/cli/command.hpp"
+#include "daemon/cli/streams.hpp"
 #include "pipeline/picture/top_view.hpp"
 
 #include <filesystem>
@@ -42,7 +43,9 @@ Result<ViewContent> content_of(const Options& o, RecordingReader& reader) {
 
 Result<int> run_view(const Options& o) {
   SCANSION_TRY(format, format_of(o));
-  SCANSION_TRY(reader, RecordingReader::open(o.recording));
+  SCANSION_TRY(spares_inputs(o.output, {o.recording}));
+  SCANSION_TRY(recording, readable_recording(o.recording));
+  SCANSION_TRY(reader, RecordingReader::open(recording));
   SCANSION_TRY(content, content_of(o, reader));
   ProgressLine line("view");
   SCANSION_TRY(drawing, draw_top_view(reader, content, o.size,

@@ -273,7 +273,7 @@ def usage(kit):
     place = Place(kit, "usage")
     out = place.path("out.mcap")
     place.refused(2)
-    place.refused(2, "frobnicate")
+    place.refused(2, "frobnicate", says="frobnicate")
     place.refused(2, "--frobnicate")
     for words in (["compress", place.scan, "-o", out], ["export", place.recording, "-o", out], ["info", place.recording],
                   ["verify", place.recording], ["recover", place.recording, "-o", out], ["compare", place.recording, place.recording],
@@ -295,10 +295,20 @@ def usage(kit):
                   ["--gap", "-1"], ["--gap", "nan"], ["--threads", "-1"], ["--threads", "many"], ["--format", "las"], ["--grid", "diagonal"],
                   ["--spacing", "0"], ["--features", "maybe"], ["--columns", "q"], ["--device", "a/b"], ["--device", ""]):
         place.bad_scan(place.scan, *words, code=2)
+    for word in ("0", "-1", "nan", "inf", "wide", ""):
+        place.refused(2, "compress", place.scan, "-o", out, "--gap", word, says=f"'{word}' is no number above 0")
     place.refused(2, "compress", "-", "-", "-o", out, stdin=b"0 0 0\n")
+    place.refused(2, "compare", "-", "-")
+    # Figures behind a recording would make it a damaged one.
+    place.refused(2, "compress", place.scan, "-o", "-", "--json", says="--json")
+    place.refused(2, "recover", place.recording, "-o", "-", "--json", says="--json")
+    # A rearrangement is text, whatever the ending of the file promises.
+    for name, words in (("out.ply", []), ("out.json", []), ("out.vtp", []), ("out.mcap", []), ("out.txt", ["--format", "pcd"]),
+                        ("out.txt", ["--format", "svg"])):
+        place.refused(2, "export", place.recording, "--what", "rearrangement", "-o", place.path(name), *words, says="text")
     for name, words in (("out.foo", []), ("out", []), ("out.xyz", ["--format", "las"]), ("out.xyz", ["--unit", "parsec"]),
                         ("out.xyz", ["--what", "everything"]), ("out.mcap", ["--tolerance", "1"]), ("out.mcap", ["--lines", "1:2"]),
-                        ("out.mcap", ["--level", "9"])):
+                        ("out.mcap", ["--level", "9"]), ("out.mcap", ["--unit", "in"]), ("out.mcap", ["--float32"])):
         place.refused(2, "export", place.recording, "-o", place.path(name), *words)
     place.refused(2, "compare", place.recording, place.recording, "--tolerance", "-1")
     place.refused(2, "compare", place.recording, place.recording, "--what", "everything")
@@ -332,6 +342,28 @@ def outputs_that_cannot_be(kit):
         kit.scansion(*words, "--force")
         check(os.path.getsize(there) > 100, f"{words[0]} --force replaced nothing")
     same(sorted(os.listdir(place.folder)), ["bad.xyz", "there"], "files left")
+
+
+def inputs_stay(kit):
+    """A scan cannot be repeated: no output replaces what is read, under whatever name, not even with --force."""
+    place = Place(kit, "inputs")
+    scan, recording = place.path("scan.xyz"), place.path("scan.mcap")
+    shutil.copy(place.scan, scan)
+    shutil.copy(place.recording, recording)
+    os.symlink(scan, place.path("link.xyz"))
+    os.link(recording, place.path("link.mcap"))
+    before = {path: open(path, "rb").read() for path in (scan, recording)}
+    for words in (["compress", scan, "-o", scan], ["compress", scan, "-o", place.path("link.xyz")],
+                  ["compress", place.scan, scan, "-o", scan], ["recover", recording, "-o", recording],
+                  ["recover", recording, "-o", place.path("link.mcap")], ["export", recording, "-o", recording, "--level", "0"],
+                  ["export", recording, "-o", recording, "--format", "xyz"], ["view", recording, "-o", recording, "--format", "png"],
+                  ["export", recording, "-o", recording, "--what", "features", "--format", "txt"]):
+        place.refused(73, *words, "--force", says="is the input itself")
+    with open(scan, "rb") as file:
+        place.refused(73, "compress", "-", "-o", scan, "--force", stdin=file, says="is the input itself")
+    for path, data in before.items():
+        with open(path, "rb") as file:
+            check(file.read() == data, f"{path} was changed")
 
 
 def special_files_stay(kit):
@@ -538,5 +570,6 @@ def other_verbs(kit):
 if __name__ == "__main__":
     run_cases("bad input and bad outputs", [
         missing_input, empty_input, binary_garbage, invalid_samples, huge_numbers, wrong_rows, wrong_ply, damaged_packing,
-        folder_without_scans, sparse_file, line_of_three_million_points, usage, outputs_that_cannot_be, special_files_stay,
+        folder_without_scans, sparse_file, line_of_three_million_points, usage, outputs_that_cannot_be, inputs_stay,
+        special_files_stay,
         full_standard_output, full_disk, no_permission, stopped_by_a_signal, manual_page, other_verbs])

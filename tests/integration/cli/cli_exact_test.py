@@ -491,9 +491,34 @@ def standard_streams(kit):
         with open(out, "rb") as file:
             check(printed == file.read(), f"export -o - as {form}: other bytes than to a file")
     compare_lines(read_xyz(os.path.join(folder, "out.xyz"), EXACT), want, "export")
+    recordings_on_standard_streams(kit, direct, recording)
     rows = kit.scansion("export", direct, "-o", "-", "--what", "rearrangement").out
     check(rows.startswith(b"# line 0 run 0 n+1 "), "rearrangement to standard output")
     kit.check_no_temporary_files()
+
+
+def recordings_on_standard_streams(kit, path, data):
+    """Every verb that reads a recording takes it from a pipe and from a file as well, and those that write one write to `-`."""
+    cut = os.path.join(kit.root, "cut-for-streams.mcap")
+    kit.scansion("export", path, "-o", cut, "--level", "0")
+    with open(cut, "rb") as file:
+        cut_data = file.read()
+    for words, want in ((["info", "-", "--json"], None), (["export", "-", "-o", "-"], None), (["compare", "-", path, "--json"], None),
+                        (["export", "-", "-o", "-", "--what", "rearrangement"], None), (["view", "-", "-o", "-", "--size", "200"], None),
+                        (["export", "-", "-o", "-", "--level", "0", "--format", "mcap"], cut_data), (["recover", "-", "-o", "-"], data),
+                        (["verify", "-", "--json"], None)):
+        if want is None and words[0] != "view":  # a picture is captioned with the name
+            want = kit.scansion(words[0], path, *words[2:]).out
+        pipe = subprocess.Popen(["cat", path], stdout=subprocess.PIPE)
+        piped = kit.scansion(*words, stdin=pipe.stdout).out
+        pipe.stdout.close()
+        same(pipe.wait(), 0, "cat")
+        with open(path, "rb") as file:
+            direct = kit.scansion(*words, stdin=file).out
+        check(piped == direct and len(piped) > 0, f"{' '.join(words)}: a pipe gives something else than a file")
+        check(want is None or piped == want, f"{' '.join(words)}: something else than of the named recording")
+    refused = kit.scansion("info", "-", stdin=b"no recording at all", expect=65)
+    check("standard input" in refused.err, f"{refused}: does not name standard input")
 
 
 def line_ranges(kit):
