@@ -29,7 +29,7 @@ constexpr double kNoise = 4.0;        // sigmas
 double slope_beside(const PatchRow& row, std::uint32_t k, int way, double pitch) {
   double n = 0.0, s = 0.0, w = 0.0, ss = 0.0, sw = 0.0;
   const double s0 = row.s[k], w0 = row.w[k];
-  for (std::int64_t i = k; i >= 0 && i < std::ssize(row.s) && n < kBeside; i += way) {
+  for (std::int64_t i = k; i >= 0 && i < static_cast<std::int64_t>(row.s.size()) && n < kBeside; i += way) {
     const auto at = static_cast<std::size_t>(i);
     const double ds = row.s[at] - s0, dw = row.w[at] - w0;
     if (std::abs(ds) > kGap * pitch * (n + 1.0)) break;
@@ -167,16 +167,16 @@ void HoleFinder::begin(Gap& gap, const PatchedRow& above, double pitch, const Sa
   region.is_open = above.row == nullptr;
   if (region.is_open || above.row->in_order) return;
   const PatchRow& row = *above.row;
-  const auto from = std::upper_bound(row.s.begin(), row.s.end(), gap.slab.s_low);
-  const auto first = from == row.s.begin() ? from : std::prev(from);
-  for (auto at = first; at != row.s.end() && std::next(at) != row.s.end() && *at < gap.slab.s_high; ++at) {
-    if (*std::next(at) - *at <= kGap * pitch) continue;
-    HoleSlab slab = slab_of(row, static_cast<std::uint32_t>(at - row.s.begin()), pitch);
+  const auto n = static_cast<std::uint32_t>(row.s.size());
+  const std::uint32_t from = row.s.beyond(0, n, gap.slab.s_low);
+  for (std::uint32_t k = from - std::min(from, 1U); k + 1 < n && row.s[k] < gap.slab.s_high; ++k) {
+    if (row.s[k + 1] - row.s[k] <= kGap * pitch) continue;
+    HoleSlab slab = slab_of(row, k, pitch);
     if (!are_beside(slab, gap.slab)) continue;
     slab.row = gap.slab.row - 1;
     slab.c_low = row.c - 0.5 * sampling.spacing;
     slab.c_high = gap.slab.c_low;
-    slab.off = offset(row, static_cast<std::uint32_t>(at - row.s.begin()), pitch);
+    slab.off = offset(row, k, pitch);
     keep(region, slab);
     Gap& known = scratch_.emplace_back();
     known.slab = slab;
@@ -216,9 +216,9 @@ void HoleFinder::cap(Region& region, const PatchedRow& row, double from, double 
     return;
   }
   region.outline += to - from;
-  const std::vector<double>& s = row.row->s;
-  auto k = static_cast<std::uint32_t>(std::lower_bound(s.begin(), s.end(), from) - s.begin());
-  for (; k < s.size() && s[k] < to; ++k) add_rim(region.rim, patch_at(row, k), pitch);
+  const RowPlaces& s = row.row->s;
+  const auto n = static_cast<std::uint32_t>(s.size());
+  for (std::uint32_t k = s.at_or_beyond(0, n, from); k < n && s[k] < to; ++k) add_rim(region.rim, patch_at(row, k), pitch);
 }
 
 // Adds this row to the regions, and to their rims what lies beside it and between the two rows.

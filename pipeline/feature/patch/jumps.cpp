@@ -47,7 +47,8 @@ double Jumps::least_rise(const Sampling& sampling, double least_step) noexcept {
 void Jumps::find_walls(const PatchRow& row, const Sampling& sampling) {
   walls_.clear();
   const double least = least_wall(sampling);
-  const double *s = row.s.data(), *w = row.w.data();
+  const RowPlaces& s = row.s;
+  const RowHeights& w = row.w;
   const double high = 0.5 * least;
   const auto is_steep = [&](std::uint32_t k) {
     const double dw = std::abs(w[k + 1] - w[k]);
@@ -56,8 +57,9 @@ void Jumps::find_walls(const PatchRow& row, const Sampling& sampling) {
   const double limit = least_rise(sampling, row.least_step);
   std::span<const std::uint32_t> rises = row.rises;
   if (row.rises_above > limit) {
-    high_.resize(row.w.size());
-    rises = std::span(high_).first(passes::apart(w + 1, w, limit, high_.data(), row.w.size() - 1));
+    high_.resize(s.size());
+    rises =
+        std::span(high_).first(passes::apart(w.above() + 1, w.above(), static_cast<float>(limit), high_.data(), s.size() - 1));
   }
   auto end = row.ends.begin();
   std::uint32_t after = 0;
@@ -108,8 +110,8 @@ void Jumps::find(const PatchRow& before, const PatchRow& now, const Sampling& sa
   const std::int64_t first = std::max(before.first_column, now.first_column);
   const std::int64_t end = std::min(before.end_column(), now.end_column());
   if (first >= end) return;
-  const float* a = before.height.data() + (first - before.first_column);
-  const float* b = now.height.data() + (first - now.first_column);
+  const float* a = before.heights() + (first - before.first_column);
+  const float* b = now.heights() + (first - now.first_column);
   const auto columns = static_cast<std::size_t>(end - first);
   high_.resize(columns);
   const std::size_t count = passes::apart(b, a, least, high_.data(), columns);

@@ -38,7 +38,7 @@ void PatchGrower::split(const PatchRow& row) {
   now_.clear();
   auto hole = row.holes.begin();
   auto cut = in_line_.begin();
-  auto after = row.s.begin(); // the first sample beyond the cut
+  std::uint32_t after = 0; // the first sample beyond the cut
   Stretch open;
   std::uint32_t begin = 0;
   const auto close = [&](std::uint32_t last) {
@@ -57,8 +57,8 @@ void PatchGrower::split(const PatchRow& row) {
       if (hole != row.holes.end() && *hole < last) last = *hole;
       while (cut != in_line_.end() && cut->s < row.s[begin]) ++cut;
       if (cut != in_line_.end() && cut->s < row.s[last]) {
-        after = std::upper_bound(std::max(after, row.s.begin() + begin), row.s.begin() + last, cut->s);
-        close(static_cast<std::uint32_t>(after - row.s.begin()) - 1);
+        after = row.s.beyond(std::max(after, begin), last, cut->s);
+        close(after - 1);
         open.cut_before = true;
         open.cut = *cut;
         continue;
@@ -132,8 +132,7 @@ bool PatchGrower::hold_borders(const PatchRow& row, const Sampling& sampling) {
       const Stretch& border = above_[next->above];
       if (!border.cut_before || contact->patch == next->patch || !is_leak(contact->patch, next->patch, sampling)) continue;
       const double s = border.cut.s + border.drift;
-      const auto begin = row.s.begin() + rest.first, end = row.s.begin() + rest.last + 1;
-      const auto after = static_cast<std::uint32_t>(std::lower_bound(begin, end, s) - row.s.begin());
+      const std::uint32_t after = row.s.at_or_beyond(rest.first, rest.last + 1, s);
       if (after == rest.first || after > rest.last) continue;
       Stretch left = rest;
       left.last = after - 1;
@@ -219,8 +218,7 @@ void PatchGrower::measure(const PatchRow& row, const Sampling& sampling) {
     t.patch = graph_.find(t.patch);
     t.node = &graph_.node(t.patch);
     PatchNode& n = *t.node;
-    const std::size_t count = t.last - t.first + 1;
-    n.sums.add({row.s.data() + t.first, count}, {row.w.data() + t.first, count}, row.c);
+    n.sums.add({row.s, row.w, t.first, t.last - t.first + 1}, row.c);
     n.last_row = row_number_;
     n.s_low = std::min(n.s_low, t.s_low);
     n.s_high = std::max(n.s_high, t.s_high);

@@ -37,28 +37,28 @@ bool PatchRow::take(Profile& profile) {
   c = profile.c;
   in_order = stands_one_to_each(profile, per_mm);
   least_step = in_order && stands_evenly(profile) ? least_even_step(profile.scale.pitch) : 0.0;
-  s.swap(profile.s);
-  w.swap(profile.w);
+  s.take(profile.shift, profile.s.front(), profile.scale.pitch);
+  w.take(profile.height, profile.scale.base);
   source.swap(profile.source);
   ends.swap(profile.ends);
   rises.swap(profile.rises);
   rises_above = profile.rises_above;
-  height.swap(profile.height);
-  const ColumnScale scale = profile.scale;
-  profile.forget();
   holes.clear();
   first_column = static_cast<std::int64_t>(first);
-  const auto columns = static_cast<std::size_t>(last - first) + 1;
-  height.resize(columns);
-  if (!in_order) stand_anywhere(scale);
+  columns_ = static_cast<std::size_t>(last - first) + 1;
+  if (in_order)
+    columns_ = std::min(columns_, s.size());
+  else
+    stand_anywhere(profile.scale.pitch);
+  profile.forget();
   return true;
 }
 
-void PatchRow::stand_anywhere(const ColumnScale& scale) {
-  const double pitch = scale.pitch;
+void PatchRow::stand_anywhere(double pitch) {
   const auto n = static_cast<std::uint32_t>(s.size());
   const double per_mm = 1.0 / pitch, shift = kPhase + static_cast<double>(first_column) - 1.0;
-  standing.assign(height.size(), kNoSample);
+  height_.resize(columns_);
+  standing.assign(columns_, kNoSample);
   // Of the samples up to a column, and no further from it than a pitch, the last.
   for (std::uint32_t k = 0; k < n; ++k) {
     const auto j = static_cast<std::size_t>(std::max(0.0, s[k] * per_mm - shift));
@@ -75,8 +75,7 @@ void PatchRow::stand_anywhere(const ColumnScale& scale) {
     } else {
       before = standing[j];
     }
-    height[j] =
-        standing[j] == kNoSample ? std::numeric_limits<float>::quiet_NaN() : static_cast<float>(w[standing[j]] - scale.base);
+    height_[j] = standing[j] == kNoSample ? std::numeric_limits<float>::quiet_NaN() : w.above()[standing[j]];
   }
 }
 

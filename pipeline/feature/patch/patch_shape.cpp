@@ -50,10 +50,10 @@ public:
     double ww;
   };
 
-  // `pairs` times two samples, one pair `step` samples after the other.
-  void add(const double* s, const double* w, std::size_t pairs, std::size_t step) noexcept {
-    for (std::size_t i = 0; i < pairs; ++i, s += step, w += step)
-      for (std::size_t l = 0; l < kLanes; ++l) take(l, s[l], w[l]);
+  // From sample `first` on, `pairs` times two samples, one pair `step` samples after the other.
+  void add(const RowStretch& samples, std::size_t first, std::size_t pairs, std::size_t step) noexcept {
+    for (std::size_t i = 0, k = first; i < pairs; ++i, k += step)
+      for (std::size_t l = 0; l < kLanes; ++l) take(l, samples.s[k + l], samples.w[k + l]);
   }
   void add_one(double s, double w) noexcept { take(0, s, w); }
   void add(const RowSums& other, double weight) noexcept {
@@ -84,15 +84,16 @@ private:
 
 } // namespace
 
-void PatchSums::add(std::span<const double> s, std::span<const double> w, double c) noexcept {
+void PatchSums::add(const RowStretch& samples, double c) noexcept {
   // Of long stretches two samples in the middle of each eight are enough, of very long ones two of each 16: what a surface is
   // needs no more.
   constexpr std::size_t kLong = 48, kVeryLong = 96;
-  const std::size_t n = s.size(), step = n < kVeryLong ? 8 : 16, few = n < kLong ? n : n % step, skip = step / 2 - 1;
+  const std::size_t n = samples.count, first = samples.first, step = n < kVeryLong ? 8 : 16, few = n < kLong ? n : n % step,
+                    skip = step / 2 - 1;
   RowSums all, some;
-  all.add(s.data(), w.data(), few / 2, 2);
-  if (few % 2 != 0) all.add_one(s[few - 1], w[few - 1]);
-  some.add(s.data() + few + skip, w.data() + few + skip, (n - few) / step, step);
+  all.add(samples, first, few / 2, 2);
+  if (few % 2 != 0) all.add_one(samples.s[first + few - 1], samples.w[first + few - 1]);
+  some.add(samples, first + few + skip, (n - few) / step, step);
   all.add(some, static_cast<double>(step) / 2.0);
   const auto [ps, pw, ww] = all.totals(static_cast<double>(n));
   const std::array<double, 5> pc{1.0, c, c * c, c * c * c, c * c * c * c};

@@ -3,12 +3,12 @@
 #pragma once
 
 #include "pipeline/feature/feature_line.hpp"
+#include "pipeline/feature/patch/row_samples.hpp"
 #include "pipeline/feature/profile/frame.hpp"
 #include "pipeline/feature/profile/sampling.hpp"
 
 #include <array>
 #include <cstdint>
-#include <span>
 #include <utility>
 
 namespace scansion {
@@ -20,11 +20,18 @@ struct PatchPlane {
   [[nodiscard]] double at(double s_at, double c_at) const noexcept { return w + gs * (s_at - s) + gc * (c_at - c); }
 };
 
+/// A stretch of a row.
+struct RowStretch {
+  const RowPlaces& s;
+  const RowHeights& w;
+  std::size_t first = 0, count = 0;
+};
+
 /// Power sums of (s, c, w), mm. Adding runs and adding sums of other patches give the same.
 class PatchSums {
 public:
   /// Samples of one scan line at c.
-  void add(std::span<const double> s, std::span<const double> w, double c) noexcept;
+  void add(const RowStretch& samples, double c) noexcept;
   void add(const PatchSums& other) noexcept;
   [[nodiscard]] double count() const noexcept { return s_[0][0]; }
   [[nodiscard]] PatchPlane plane() const noexcept;
