@@ -137,6 +137,7 @@ void LineFinder::finish(const Sampling& sampling, FeatureEnd reason, std::vector
   settle(std::numeric_limits<double>::infinity(), sampling, out);
   columns_.reset();
   rows_.clear();
+  detector_ = Detector();
   tracker_ = Tracker(settings_);
   crosswise_ = CrosswiseLinker(settings_);
   union_ = Union();

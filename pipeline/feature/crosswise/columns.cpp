@@ -20,6 +20,7 @@ constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 constexpr double kMostMissed = 3.6;    // spacings within a window
 constexpr std::size_t kMostFlank = 64; // rows
 constexpr double kMostWanted = 24.0;   // rows a side
+constexpr std::uint32_t kFewest = 2;   // rows a side
 constexpr double kCalmer = 0.8;        // walls are marked as if the noise were less: its estimate changes
 
 } // namespace
@@ -68,6 +69,7 @@ bool Columns::make_room(double low, double high) {
   }
   unknown_.resize(new_width, kNone);
   widen(roundings_, Rounding());
+  widen(edges_, Edge());
   widen(marks_, static_cast<std::uint32_t>(next_));
   left_ = new_left;
   width_ = new_width;
@@ -194,31 +196,53 @@ Reach Columns::rows_of_bend(std::int64_t row, std::size_t column, const Screen& 
 
 void Columns::measure_bend(std::int64_t r, std::size_t column, const Screen& screen, const Sampling& sampling,
                            const FitScale& scale, std::vector<ColumnPoint>& out) {
-  constexpr std::uint32_t kFewest = 2; // a side
   const std::int64_t at = r - first_;
   const auto row = static_cast<std::uint32_t>(at);
+  const bool convex = (rows_[at].*screen.bend)[column] < 0.0F;
   // The rows of one rounding see the same edge.
-  if (r < roundings_[column].end && ((rows_[at].*screen.bend)[column] < 0.0F) == roundings_[column].convex) return;
+  if (r < roundings_[column].end && convex == roundings_[column].convex) return;
   const bool walls = has_walls(column, std::max(first_, r - static_cast<std::int64_t>(flank_reach_)));
-  Reach reach = rows_of_bend(at, column, screen, walls);
+  const Reach reach = rows_of_bend(at, column, screen, walls);
   if (row - reach.before < kFewest || reach.after - row < kFewest) return;
-  column_.take(rows_, at, static_cast<std::int64_t>(flank_reach_), column, base_);
-  const std::uint32_t k = column_.index(at);
-  reach.last = column_.size() - 1;
-  reach.before = column_.index(reach.before);
-  reach.after = std::min(column_.index(reach.after), reach.last);
-  if (k < reach.before + kFewest || k + kFewest > reach.after) return;
-  walls_.clear();
-  if (walls) bound_by_steps(k, scale, reach);
-  if (k <= reach.before || k >= reach.after) return;
-  const auto bend = find_bend(column_.heights(), k, reach, scale);
+  const Precedent before = beside(r, column, convex);
+  auto bend = before.applies(convex) ? fit(at, column, reach, walls, &before, scale) : std::nullopt;
+  edges_[column] = {r, before.next()};
+  if (!bend) {
+    bend = fit(at, column, reach, walls, nullptr, scale);
+    edges_[column].precedent = bend ? Precedent::of(*bend, scale) : Precedent();
+  }
   if (!bend || is_part_of_step(*bend, scale)) return;
-  if (bend->rounding > 0.0) roundings_[column] = {r + (bend->flank_after - k), bend->tau < 0.0};
+  if (bend->rounding > 0.0) roundings_[column] = {r + (bend->flank_after - column_.index(at)), bend->tau < 0.0};
   ColumnPoint point = column_point(r, column, make_point(*bend, 0, scale));
   const auto own = static_cast<double>(std::abs((rows_[at].*screen.bend)[column]));
   point.feature.width =
       std::log2(std::max(1.0, own * static_cast<double>(screen.window) * sampling.spacing / 4.0 / least_distance(scale.noise)));
   out.push_back(point);
+}
+
+// An edge goes on as it was in the columns beside.
+Precedent Columns::beside(std::int64_t r, std::size_t column, bool convex) const noexcept {
+  constexpr std::int64_t kNear = 2; // rows
+  for (const std::size_t other : {column - std::min<std::size_t>(column, 1), std::min(column + 1, width_ - 1)})
+    if (r - edges_[other].row <= kNear && edges_[other].precedent.applies(convex)) return edges_[other].precedent;
+  return {};
+}
+
+// The bend of a column around a row, as the one before was or whatever it is.
+std::optional<Bend> Columns::fit(std::int64_t row, std::size_t column, Reach reach, bool walls, const Precedent* before,
+                                 const FitScale& scale) {
+  const bool near = before != nullptr && !walls;
+  column_.take(rows_, row, static_cast<std::int64_t>(near ? reach_ : flank_reach_), column, base_);
+  const std::uint32_t k = column_.index(row);
+  reach.last = column_.size() - 1;
+  reach.before = column_.index(reach.before);
+  reach.after = std::min(column_.index(reach.after), reach.last);
+  if (k < reach.before + kFewest || k + kFewest > reach.after) return std::nullopt;
+  walls_.clear();
+  if (walls) bound_by_steps(k, scale, reach);
+  if (k <= reach.before || k >= reach.after) return std::nullopt;
+  return before != nullptr ? find_sharp_bend(column_.heights(), k, reach, before->clockwise, scale)
+                           : find_bend(column_.heights(), k, reach, scale);
 }
 
 // No fit reaches beyond a step.

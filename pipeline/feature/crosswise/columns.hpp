@@ -60,6 +60,11 @@ private:
     std::int64_t near = 1;   // rows within which the greatest one counts
     float least = 0.0F;
   };
+  /// The last edge that was looked for in a column.
+  struct Edge {
+    std::int64_t row = 0;
+    Precedent precedent;
+  };
   /// The last rounding that was found in a column.
   struct Rounding {
     std::int64_t end = -1; // row
@@ -89,6 +94,9 @@ private:
   [[nodiscard]] bool bends_nearby(std::int64_t row, std::size_t column) const;
   void measure_bend(std::int64_t r, std::size_t column, const Screen& screen, const Sampling& sampling, const FitScale& scale,
                     std::vector<ColumnPoint>& out);
+  [[nodiscard]] Precedent beside(std::int64_t r, std::size_t column, bool convex) const noexcept;
+  [[nodiscard]] std::optional<Bend> fit(std::int64_t row, std::size_t column, Reach reach, bool walls, const Precedent* before,
+                                        const FitScale& scale);
   [[nodiscard]] Reach rows_of_bend(std::int64_t row, std::size_t column, const Screen& screen, bool walls) const;
   void bound_by_steps(std::uint32_t k, const FitScale& scale, Reach& reach);
   [[nodiscard]] bool is_part_of_step(const Bend& bend, const FitScale& scale);
@@ -104,6 +112,7 @@ private:
   std::int64_t left_ = 0;        // number of the first column
   std::size_t width_ = 0;        // columns
   std::vector<Row> ring_;
+  std::vector<Edge> edges_;           // the last of each column
   std::vector<Rounding> roundings_;   // of each column
   std::vector<float> unknown_;        // NaN in each column
   std::vector<std::uint32_t> marks_;  // of each column: number of the row before which a wall may have started last

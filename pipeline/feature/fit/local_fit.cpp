@@ -15,7 +15,8 @@ namespace scansion {
 namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
-constexpr double kMisfit = 3.0; // of the residuals' variance against that of the noise
+constexpr double kMisfit = 3.0;             // of the residuals' variance against that of the noise
+constexpr double kStrong = 20.0 / kDegrees; // what turns more is an edge even if its flanks are bent
 
 // About sample k: over what lies before it, and after it.
 using SideSums = BasicPowerSums<Pair>;
@@ -261,6 +262,15 @@ std::optional<Corner> find_corner(const Heights& heights, std::uint32_t k, const
   return best;
 }
 
+bool may_be_edge(const Corner& corner, const FitScale& scale) noexcept {
+  return corner.turning.exceeds(scale.least_turning / kDegrees) && corner.is_significant(kLeastSignificance);
+}
+
+// Whether the samples follow a broken line, or it turns so much that they need not.
+bool is_followed(const Corner& corner) noexcept {
+  return corner.misfit <= kMisfit || corner.turning.exceeds(kStrong);
+}
+
 } // namespace
 
 double Bend::significance() const noexcept {
@@ -301,15 +311,13 @@ Bend fit_bend(const Heights& heights, std::uint32_t k, std::uint32_t before, std
 }
 
 std::optional<Bend> find_bend(const Heights& heights, std::uint32_t k, const Reach& reach, const FitScale& scale) {
-  constexpr double kStrong = 20.0 / kDegrees; // what turns more is an edge even if its flanks are bent
   std::optional<Corner> corner = find_corner(heights, k, reach, scale);
-  if (!corner || !corner->turning.exceeds(scale.least_turning / kDegrees) || !corner->is_significant(kLeastSignificance))
-    return std::nullopt;
+  if (!corner || !may_be_edge(*corner, scale)) return std::nullopt;
   RoundedEdge edge;
   switch (find_rounding(heights, k, reach.first, reach.last, corner->window, corner->s, corner->turning, scale, edge)) {
     case RoundingSearch::too_wide: return std::nullopt;
     case RoundingSearch::none:
-      if (corner->misfit > kMisfit && !corner->turning.exceeds(kStrong)) return std::nullopt;
+      if (!is_followed(*corner)) return std::nullopt;
       return corner->bend();
     case RoundingSearch::edge: break;
   }
@@ -324,6 +332,23 @@ std::optional<Bend> find_bend(const Heights& heights, std::uint32_t k, const Rea
   bend.rounding = edge.radius;
   bend.flank_after = edge.flank_after;
   return bend;
+}
+
+Precedent Precedent::of(const Bend& bend, const FitScale& scale) noexcept {
+  const bool sharp = bend.rounding == 0.0 && bend.window == scale.least_window && bend.sharpness >= 0.0;
+  return {sharp, bend.tau < 0.0, 0};
+}
+
+std::optional<Bend> find_sharp_bend(const Heights& heights, std::uint32_t k, const Reach& reach, bool clockwise,
+                                    const FitScale& scale) {
+  Window window(heights, k, reach.before, reach.after);
+  window.grow(scale.least_window);
+  Corner corner = window.corner(scale.least_window, scale);
+  if (corner.turning.clockwise() != clockwise || !may_be_edge(corner, scale)) return std::nullopt;
+  window.measure(corner, scale);
+  if (corner.sharpness < 0.0 || !is_followed(corner)) return std::nullopt;
+  if (corner.radius > scale.arc_radius) corner.narrow_sharpness = std::min(corner.sharpness, kNarrowSharpest);
+  return corner.bend();
 }
 
 std::optional<Bend> find_crest(const Heights& heights, std::uint32_t k, std::uint32_t before, std::uint32_t after,

@@ -67,6 +67,27 @@ struct Reach {
 /// what is there is an arc or too weak.
 [[nodiscard]] std::optional<Bend> find_bend(const Heights& heights, std::uint32_t k, const Reach& reach, const FitScale& scale);
 
+/// A sharp edge beside: the least window showed it best, and nothing rounded it. An edge is taken for as sharp as the one
+/// before three times in a row; the fourth time everything is tried.
+struct Precedent {
+  bool sharp = false, clockwise = false;
+  std::uint8_t followed = 0; ///< times in a row
+
+  [[nodiscard]] static Precedent of(const Bend& bend, const FitScale& scale) noexcept;
+  [[nodiscard]] bool applies(bool to_clockwise) const noexcept {
+    return sharp && clockwise == to_clockwise && followed < kMostFollowed;
+  }
+  [[nodiscard]] Precedent next() const noexcept { return {sharp, clockwise, static_cast<std::uint8_t>(followed + 1)}; }
+
+private:
+  static constexpr std::uint8_t kMostFollowed = 3;
+};
+
+/// What find_bend() would find if there is a sharp edge as before. Empty: find_bend() is to be asked. No sample beyond
+/// `reach.before` and `reach.after` is looked at.
+[[nodiscard]] std::optional<Bend> find_sharp_bend(const Heights& heights, std::uint32_t k, const Reach& reach, bool clockwise,
+                                                  const FitScale& scale);
+
 /// The smooth crest or trough around sample k: vertex of a parabola over +-`reach` mm. Empty: none with a radius up to
 /// `radius_limit`.
 [[nodiscard]] std::optional<Bend> find_crest(const Heights& heights, std::uint32_t k, std::uint32_t before, std::uint32_t after,

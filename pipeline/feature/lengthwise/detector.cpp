@@ -36,14 +36,33 @@ bool may_be_corner(const Turning& turning, double least_tangent) noexcept {
 
 } // namespace
 
-void Detector::add_vertex(const Profile& profile, const Vertex& vertex, std::uint32_t first, std::uint32_t last,
+// An edge goes on as it was on the line before.
+std::optional<Bend> Detector::find_bend_at(const Heights& heights, std::uint32_t k, const Reach& reach, bool clockwise,
+                                           const Sampling& sampling, const FitScale& scale) {
+  constexpr double kNear = 1.5; // u
+  const double s = heights.s[k], near = kNear * sampling.coarse();
+  while (next_ < edges_before_.size() && edges_before_[next_].s < s - near) ++next_;
+  for (std::size_t i = next_; i < edges_before_.size() && edges_before_[i].s <= s + near; ++i) {
+    const Precedent& before = edges_before_[i].precedent;
+    if (!before.applies(clockwise)) continue;
+    auto bend = find_sharp_bend(heights, k, reach, clockwise, scale);
+    if (!bend) break;
+    edges_.push_back({bend->s, before.next()});
+    return bend;
+  }
+  auto bend = find_bend(heights, k, reach, scale);
+  if (bend) edges_.push_back({bend->s, Precedent::of(*bend, scale)});
+  return bend;
+}
+
+void Detector::add_vertex(const Profile& profile, const Vertex& vertex, std::uint32_t first, std::uint32_t last, bool clockwise,
                           const Sampling& sampling, const FitScale& scale, double least) {
   constexpr double kSlope = 0.2493280028432; // tangent of 14 degrees: each side of a smooth crest
   constexpr double kTotal = 42.0;            // degrees: both sides
   constexpr double kRound = 0.5;             // mm: a crest of this radius is smooth
   const Heights heights{profile.s, profile.w};
   const Reach reach{std::max(vertex.before, first), std::min(vertex.after, last), first, last};
-  std::optional<Bend> bend = find_bend(heights, vertex.k, reach, scale);
+  std::optional<Bend> bend = find_bend_at(heights, vertex.k, reach, clockwise, sampling, scale);
   bool smooth = false;
   if (!bend || bend->sharpness < 0.0 || bend->rounding > kRound) {
     const double before_s = profile.s[vertex.k] - profile.s[vertex.before],
@@ -138,6 +157,9 @@ void Detector::detect(const Profile& profile, const Sampling& sampling, std::vec
   std::size_t wall = 0, run = 0;
   begin = 0;
   rounding_end_ = 0;
+  std::swap(edges_, edges_before_);
+  edges_.clear();
+  next_ = 0;
   // (Both follow from few samples: a margin.)
   const double least_tangent = std::tan(6.0 / 7.0 * scale.least_turning * std::numbers::pi / 180.0);
   for (const Vertex& vertex : vertices_) {
@@ -153,7 +175,7 @@ void Detector::detect(const Profile& profile, const Sampling& sampling, std::vec
     std::uint32_t first = begin, last = profile.ends[run] - 1;
     if (wall > 0 && walls_[wall - 1].step && walls_[wall - 1].last < vertex.k) first = std::max(first, walls_[wall - 1].last);
     if (wall < walls_.size() && walls_[wall].step && walls_[wall].first > vertex.k) last = std::min(last, walls_[wall].first);
-    add_vertex(profile, vertex, first, last, sampling, scale, least);
+    add_vertex(profile, vertex, first, last, turning.clockwise(), sampling, scale, least);
   }
   sort(out);
   std::swap(found_, out);

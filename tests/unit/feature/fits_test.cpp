@@ -174,5 +174,52 @@ TEST(BentFlanks, roundingsMoveNoEdge) {
   EXPECT_NEAR(fit_bend({fillet.s, fillet.w}, 120, 0, 240, 12, scale).s, 0.0, 0.02);
 }
 
+constexpr Reach kWhole{0, 240, 0, 240};
+
+// What a sharp edge is taken for without a search for flanks is what that search would leave of it.
+TEST(SharpBend, isWhatFindBendFinds) {
+  const FitScale scale = FitScale::of(0.002, 0.1, 0.1);
+  const Fillet corner(0.0);
+  const auto whole = find_bend({corner.s, corner.w}, 120, kWhole, scale);
+  ASSERT_TRUE(whole);
+  const Precedent precedent = Precedent::of(*whole, scale);
+  EXPECT_TRUE(precedent.applies(false));
+  EXPECT_FALSE(precedent.applies(true));
+  const auto sharp = find_sharp_bend({corner.s, corner.w}, 120, {100, 140, 100, 140}, false, scale);
+  ASSERT_TRUE(sharp);
+  EXPECT_EQ(sharp->s, whole->s);
+  EXPECT_EQ(sharp->w, whole->w);
+  EXPECT_EQ(sharp->tau, whole->tau);
+  EXPECT_EQ(sharp->sharpness, whole->sharpness);
+  EXPECT_EQ(sharp->narrow_sharpness, whole->narrow_sharpness);
+  EXPECT_EQ(sharp->window, whole->window);
+}
+
+TEST(SharpBend, isNoneWhereItTurnsTheOtherWayOrHardly) {
+  const FitScale scale = FitScale::of(0.002, 0.1, 0.1);
+  const Fillet corner(0.0);
+  EXPECT_FALSE(find_sharp_bend({corner.s, corner.w}, 120, kWhole, true, scale));
+  EXPECT_FALSE(find_sharp_bend({corner.s, corner.w}, 60, kWhole, false, scale));
+  const Fillet wide(6.0);
+  EXPECT_FALSE(find_sharp_bend({wide.s, wide.w}, 112, kWhole, false, scale));
+}
+
+// A rounding is no precedent, and a sharp edge is one for three more.
+TEST(Precedent, endsAtTheFourth) {
+  const FitScale scale = FitScale::of(0.002, 0.1, 0.1);
+  const Fillet fillet(0.8);
+  const auto rounded = find_bend({fillet.s, fillet.w}, 120, kWhole, scale);
+  ASSERT_TRUE(rounded);
+  EXPECT_GT(rounded->rounding, 0.0);
+  EXPECT_FALSE(Precedent::of(*rounded, scale).applies(false));
+  EXPECT_FALSE(Precedent().applies(false));
+  Precedent precedent{true, false, 0};
+  for (int times = 0; times < 3; ++times) {
+    EXPECT_TRUE(precedent.applies(false));
+    precedent = precedent.next();
+  }
+  EXPECT_FALSE(precedent.applies(false));
+}
+
 } // namespace
 } // namespace scansion
