@@ -64,13 +64,17 @@ bool Columns::make_room(double low, double high) {
   for (std::int64_t r = first_; r < next_; ++r) {
     widen(row(r).height, kNone);
     for (Bends* bends : {&row(r).narrow, &row(r).wide})
-      if (bends->known) widen(bends->of, kNone);
+      if (bends->known) {
+        widen(bends->of, kNone);
+        bends->peaks.assign(passes::peaks_of(new_width), std::numeric_limits<float>::infinity()); // blocks are others now
+      }
     widen(row(r).source, 0U);
   }
   unknown_.resize(new_width, kNone);
   widen(roundings_, Rounding());
   widen(edges_, Edge());
   widen(marks_, static_cast<std::uint32_t>(next_));
+  last_marked_ = next_;
   left_ = new_left;
   width_ = new_width;
   view_rows();
@@ -108,14 +112,19 @@ void Columns::finish(const Sampling& sampling, std::vector<ColumnPoint>& out) {
 void Columns::mark_walls(std::int64_t r, const Sampling& sampling) {
   constexpr double kRounded = 1e-3; // of a limit: heights of columns are
   row(r).marked_above = kCalmer * sampling.noise;
-  if (r - first_ < 3) return std::fill(marks_.begin(), marks_.end(), static_cast<std::uint32_t>(r));
+  if (r - first_ < 3) {
+    std::fill(marks_.begin(), marks_.end(), static_cast<std::uint32_t>(r));
+    last_marked_ = r;
+    return;
+  }
   const WallTest test(kCalmer * sampling.noise, sampling.limits.least_step);
   const double ds = row(r - 1).c - row(r - 2).c;
   const auto limit = [](double rise) { return static_cast<float>((1.0 - kRounded) * rise); };
-  passes::mark_walls(
+  const bool any = passes::mark_walls(
       {row(r - 3).height.data(), row(r - 2).height.data(), row(r - 1).height.data(), row(r).height.data()},
       {limit(test.least_rise(ds)), limit(test.steep_rise(ds)), static_cast<float>((1.0 + kRounded) * WallTest::kLonely)},
       static_cast<std::uint32_t>(r - 1), marks_.data(), width_);
+  if (any) last_marked_ = std::max(last_marked_, r - 1);
 }
 
 // Whether a column may have a wall beyond this row: most have none, and need not be searched.
@@ -161,9 +170,10 @@ void Columns::screen(std::int64_t r, std::size_t window, const Sampling& samplin
   add_side(low, r - 1, -1.0);
   add_side(r + 1, high, 1.0);
   out.of.resize(width_);
+  out.peaks.resize(passes::peaks_of(width_));
   out.known = true;
   rows_.set(r - first_, view(row(r)));
-  passes::weigh(weighed_.data(), weights_.data(), weights_.size(), out.of.data(), width_);
+  passes::weigh(weighed_.data(), weights_.data(), weights_.size(), out.of.data(), out.peaks.data(), width_);
 }
 
 ColumnPoint Columns::column_point(std::int64_t r, std::size_t column, const FeaturePoint& feature) const {
@@ -314,10 +324,11 @@ void Columns::harvest(std::int64_t r, const Sampling& sampling, std::vector<Colu
   const ColumnRow& next = at + 1 < rows_.size() ? rows_[at + 1] : centre;
   // Every interval of a wall is larger.
   const auto wall = static_cast<float>(std::max(test.noise, 0.49 * (next.c - centre.c)));
-  const std::size_t narrow = find_bends(at, narrow_, bent_);
-  const std::size_t wide = looks_wide(sampling) ? find_bends(at, wide_, widely_bent_) : 0;
+  const std::size_t narrow = find_bends(at, row(r).narrow, narrow_, bent_);
+  const std::size_t wide = looks_wide(sampling) ? find_bends(at, row(r).wide, wide_, widely_bent_) : 0;
   stepped_.resize(width_);
-  const std::size_t stepped = passes::apart(next.height, centre.height, wall, stepped_.data(), width_);
+  const bool no_walls = trusted_ && last_marked_ <= r;
+  const std::size_t stepped = no_walls ? 0 : passes::apart(next.height, centre.height, wall, stepped_.data(), width_);
   for (const std::uint32_t j : std::span(bent_).first(narrow)) measure_bend(r, j, narrow_, sampling, scale, out);
   for (const std::uint32_t j : std::span(stepped_).first(stepped))
     if (has_walls(j, r) && rows_.starts_step(at, j)) measure_step(r, j, scale, out);
@@ -326,7 +337,9 @@ void Columns::harvest(std::int64_t r, const Sampling& sampling, std::vector<Colu
 }
 
 // The columns in which no row near this one bends more; returns how many they are.
-std::size_t Columns::find_bends(std::int64_t row, const Screen& screen, std::vector<std::uint32_t>& columns) {
+std::size_t Columns::find_bends(std::int64_t row, const Bends& bends, const Screen& screen,
+                                std::vector<std::uint32_t>& columns) {
+  if (!bends.known) return 0;
   const std::int64_t low = std::max<std::int64_t>(0, row - screen.near), high = std::min(rows_.size() - 1, row + screen.near);
   weighed_.clear();
   for (std::int64_t k = low; k <= high; ++k)
@@ -334,7 +347,7 @@ std::size_t Columns::find_bends(std::int64_t row, const Screen& screen, std::vec
   const std::span<const float* const> beside = weighed_;
   const auto before = static_cast<std::size_t>(row - low);
   columns.resize(width_);
-  return passes::most_bent({rows_[row].*screen.bend, beside.first(before), beside.subspan(before)}, screen.least,
+  return passes::most_bent({bends.of.data(), bends.peaks.data(), beside.first(before), beside.subspan(before)}, screen.least,
                            columns.data(), width_);
 }
 

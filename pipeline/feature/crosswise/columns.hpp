@@ -43,6 +43,7 @@ private:
   /// Slope after minus slope before, of each column.
   struct Bends {
     std::vector<float> of;
+    std::vector<float> peaks; // of blocks of columns
     bool known = false;
   };
   struct Row {
@@ -90,7 +91,8 @@ private:
   }
   void view_rows();
   void harvest(std::int64_t r, const Sampling& sampling, std::vector<ColumnPoint>& out);
-  [[nodiscard]] std::size_t find_bends(std::int64_t row, const Screen& screen, std::vector<std::uint32_t>& columns);
+  [[nodiscard]] std::size_t find_bends(std::int64_t row, const Bends& bends, const Screen& screen,
+                                       std::vector<std::uint32_t>& columns);
   [[nodiscard]] bool bends_nearby(std::int64_t row, std::size_t column) const;
   void measure_bend(std::int64_t r, std::size_t column, const Screen& screen, const Sampling& sampling, const FitScale& scale,
                     std::vector<ColumnPoint>& out);
@@ -116,6 +118,7 @@ private:
   std::vector<Rounding> roundings_;   // of each column
   std::vector<float> unknown_;        // NaN in each column
   std::vector<std::uint32_t> marks_;  // of each column: number of the row before which a wall may have started last
+  std::int64_t last_marked_ = -1;     // the greatest of these
   bool trusted_ = false;              // marks hold for the noise as it is
   std::int64_t first_ = 0, next_ = 0; // rows held
   std::vector<const float*> weighed_; // rows in slopes

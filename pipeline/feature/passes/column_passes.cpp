@@ -82,8 +82,15 @@ SCANSION_INLINE void add_weighed(const float* row, float weight, Eight& sum) noe
   sum += weight * values;
 }
 
-SCANSION_INLINE void weigh_body(const float* const* rows, const float* weights, std::size_t count, float* to,
+SCANSION_INLINE void raise(const Eight& values, Eight& peaks) noexcept {
+  constexpr EightBits kSize = EightBits{} + 0x7fffffff;
+  const Eight size = reinterpret_cast<Eight>(reinterpret_cast<EightBits>(values) & kSize);
+  peaks = size > peaks ? size : peaks;
+}
+
+SCANSION_INLINE void weigh_body(const float* const* rows, const float* weights, std::size_t count, float* to, float* peaks,
                                 std::size_t n) noexcept {
+  static_assert(kPeakBlock == 4 * kLanes && kPeakLanes == kLanes);
   std::size_t i = 0;
   for (; i + 4 * kLanes <= n; i += 4 * kLanes) { // rows and weights are looked up once for so many
     Eight a{}, b{}, c{}, d{};
@@ -98,6 +105,10 @@ SCANSION_INLINE void weigh_body(const float* const* rows, const float* weights, 
     std::memcpy(to + i + kLanes, &b, sizeof b);
     std::memcpy(to + i + 2 * kLanes, &c, sizeof c);
     std::memcpy(to + i + 3 * kLanes, &d, sizeof d);
+    Eight most{};
+    for (const Eight* const sum : {&a, &b, &c, &d}) raise(*sum, most);
+    std::memcpy(peaks, &most, sizeof most);
+    peaks += kPeakLanes;
   }
   for (; i < n; ++i) {
     float sum = 0.0F;
@@ -127,9 +138,10 @@ SCANSION_INLINE bool all_weak(const float* __restrict b, const float* __restrict
   return strong == 0;
 }
 
-SCANSION_INLINE void mark_walls_body(const std::array<const float*, 4>& rows, const WallLimits& limits, std::uint32_t mark,
+SCANSION_INLINE bool mark_walls_body(const std::array<const float*, 4>& rows, const WallLimits& limits, std::uint32_t mark,
                                      std::uint32_t* __restrict marks, std::size_t n) noexcept {
   constexpr std::size_t kTogether = 64;
+  std::int32_t all_none = 1;
   const float weak = limits.weak, steep = limits.steep, lonely = limits.lonely;
   for (std::size_t from = 0; from < n; from += kTogether) {
     const float* __restrict a = rows[0] + from;
@@ -144,17 +156,23 @@ SCANSION_INLINE void mark_walls_body(const std::array<const float*, 4>& rows, co
       const int goes_on = static_cast<int>(std::abs(b[k] - a[k]) >= least) | static_cast<int>(std::abs(d[k] - c[k]) >= least);
       const int none = static_cast<int>(step <= weak) | (static_cast<int>(step <= steep) & goes_on);
       own[k] = none != 0 ? own[k] : mark;
+      all_none &= none;
     }
   }
+  return all_none == 0;
 }
 
 #if defined(__x86_64__)
 
-// Few columns bend at all: the other rows are looked at where one of eight does.
+// Few columns bend at all: the other rows are looked at where one of eight does, and these where one of their block does.
 SCANSION_AVX2 std::size_t most_bent_avx2(const BendRows& rows, float least, std::uint32_t* indexes, std::size_t n) noexcept {
   const Eight limit = Eight{} + least;
   std::size_t found = 0, from = 0;
   for (; from + kLanes <= n; from += kLanes) {
+    while (from % kPeakBlock == 0 && from + kPeakBlock <= n &&
+           bits_of(reinterpret_cast<Eight>(load<Eight>(rows.peaks + from / kPeakBlock * kPeakLanes) >= limit)) == 0)
+      from += kPeakBlock;
+    if (from + kLanes > n) break;
     const Eight bend = load<Eight>(rows.own + from), own = size_of(bend);
     EightBits most = own >= limit;
     if (bits_of(reinterpret_cast<Eight>(most)) == 0) continue;
@@ -176,13 +194,13 @@ SCANSION_AVX2 std::size_t sample_columns_avx2(const ColumnRun& run, std::uint32_
                                               std::uint32_t* nearest) noexcept {
   return sample_columns_body(run, first, count, height, nearest);
 }
-SCANSION_AVX2 void weigh_avx2(const float* const* rows, const float* weights, std::size_t count, float* to,
+SCANSION_AVX2 void weigh_avx2(const float* const* rows, const float* weights, std::size_t count, float* to, float* peaks,
                               std::size_t n) noexcept {
-  weigh_body(rows, weights, count, to, n);
+  weigh_body(rows, weights, count, to, peaks, n);
 }
-SCANSION_AVX2 void mark_walls_avx2(const std::array<const float*, 4>& rows, const WallLimits& limits, std::uint32_t mark,
+SCANSION_AVX2 bool mark_walls_avx2(const std::array<const float*, 4>& rows, const WallLimits& limits, std::uint32_t mark,
                                    std::uint32_t* marks, std::size_t n) noexcept {
-  mark_walls_body(rows, limits, mark, marks, n);
+  return mark_walls_body(rows, limits, mark, marks, n);
 }
 
 #else
@@ -199,9 +217,9 @@ constexpr auto mark_walls_avx2 = mark_walls_body;
 
 } // namespace
 
-void mark_walls(const std::array<const float*, 4>& rows, const WallLimits& limits, std::uint32_t mark, std::uint32_t* marks,
+bool mark_walls(const std::array<const float*, 4>& rows, const WallLimits& limits, std::uint32_t mark, std::uint32_t* marks,
                 std::size_t n) noexcept {
-  has_avx2() ? mark_walls_avx2(rows, limits, mark, marks, n) : mark_walls_body(rows, limits, mark, marks, n);
+  return has_avx2() ? mark_walls_avx2(rows, limits, mark, marks, n) : mark_walls_body(rows, limits, mark, marks, n);
 }
 
 Shifts stand(const double* places, const double* heights, const EvenRow& row, float* shift, float* height,
@@ -215,8 +233,8 @@ std::size_t sample_columns(const ColumnRun& run, std::uint32_t first, std::size_
                     : sample_columns_body(run, first, count, height, nearest);
 }
 
-void weigh(const float* const* rows, const float* weights, std::size_t count, float* to, std::size_t n) noexcept {
-  has_avx2() ? weigh_avx2(rows, weights, count, to, n) : weigh_body(rows, weights, count, to, n);
+void weigh(const float* const* rows, const float* weights, std::size_t count, float* to, float* peaks, std::size_t n) noexcept {
+  has_avx2() ? weigh_avx2(rows, weights, count, to, peaks, n) : weigh_body(rows, weights, count, to, peaks, n);
 }
 
 std::size_t most_bent(const BendRows& rows, float least, std::uint32_t* indexes, std::size_t n) noexcept {

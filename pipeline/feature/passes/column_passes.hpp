@@ -37,12 +37,19 @@ struct ColumnRun {
 [[nodiscard]] std::size_t sample_columns(const ColumnRun& run, std::uint32_t first, std::size_t count, float* height,
                                          std::uint32_t* nearest) noexcept;
 
-/// to[i] = weights[0] * rows[0][i] + weights[1] * rows[1][i] + ..., `count` of them, added in this order.
-void weigh(const float* const* rows, const float* weights, std::size_t count, float* to, std::size_t n) noexcept;
+/// Of each whole block of so many columns, the greatest sizes in so many lanes; the greatest of these is that of the block.
+inline constexpr std::size_t kPeakBlock = 32, kPeakLanes = 8;
+[[nodiscard]] constexpr std::size_t peaks_of(std::size_t n) noexcept {
+  return n / kPeakBlock * kPeakLanes;
+}
+
+/// to[i] = weights[0] * rows[0][i] + weights[1] * rows[1][i] + ..., `count` of them, added in this order. `peaks` has room for
+/// peaks_of(n); what is not a number is none.
+void weigh(const float* const* rows, const float* weights, std::size_t count, float* to, float* peaks, std::size_t n) noexcept;
 
 /// The bends of a row of columns, and of rows before and after it.
 struct BendRows {
-  const float* own = nullptr;
+  const float *own = nullptr, *peaks = nullptr; ///< as weigh() has them
   std::span<const float*const> before, after;
 };
 /// Writes the i with |own[i]| >= least to `indexes`, which has room for n, where no row before bends as much the same way and
@@ -55,7 +62,8 @@ struct BendRows {
 struct WallLimits {
   float weak = 0.0F, steep = 0.0F, lonely = 0.0F;
 };
-void mark_walls(const std::array<const float*, 4>& rows, const WallLimits& limits, std::uint32_t mark, std::uint32_t* marks,
+/// Returns whether any was marked.
+bool mark_walls(const std::array<const float*, 4>& rows, const WallLimits& limits, std::uint32_t mark, std::uint32_t* marks,
                 std::size_t n) noexcept;
 
 /// The baseline version of what is not the same source for both, for tests.

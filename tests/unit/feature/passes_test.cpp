@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -73,7 +74,12 @@ TEST(Passes, FindWhereColumnsBendMost) {
         }
         if (most) expected.push_back(static_cast<std::uint32_t>(k));
       }
-      const passes::BendRows look{rows[own].data(), before, after};
+      // As weigh() has them of a single row: few blocks bend.
+      std::vector<float> same(n), peaks(passes::peaks_of(n));
+      const float* const row = rows[own].data();
+      constexpr float kOnce = 1.0F;
+      passes::weigh(&row, &kOnce, 1, same.data(), peaks.data(), n);
+      const passes::BendRows look{row, peaks.data(), before, after};
       found.resize(passes::most_bent(look, kLeast, found.data(), n));
       portable.resize(passes::portable::most_bent(look, kLeast, portable.data(), n));
       EXPECT_EQ(found, expected) << n;
@@ -96,7 +102,9 @@ TEST(Passes, MarkEveryColumnWhereAWallMayStart) {
       for (std::size_t k = 0; k < n; ++k)
         row.push_back(rare(random) == 0 ? std::numeric_limits<float>::quiet_NaN() : 0.125F * static_cast<float>(size(random)));
     std::vector<std::uint32_t> marks(n, 7);
-    passes::mark_walls({rows[0].data(), rows[1].data(), rows[2].data(), rows[3].data()}, limits, 9, marks.data(), n);
+    const bool any =
+        passes::mark_walls({rows[0].data(), rows[1].data(), rows[2].data(), rows[3].data()}, limits, 9, marks.data(), n);
+    EXPECT_EQ(any, std::find(marks.begin(), marks.end(), 9U) != marks.end()) << n;
     for (std::size_t k = 0; k < n; ++k) {
       const auto rise = [&](std::size_t row) {
         return static_cast<double>(rows[row + 1][k]) - static_cast<double>(rows[row][k]);
@@ -153,17 +161,28 @@ TEST(Passes, WeighRowsInTheirOrder) {
   for (std::size_t n = 0; n < kMost; ++n) {
     std::vector<std::vector<float>> rows(5, std::vector<float>(n));
     std::vector<const float*> at;
-    std::vector<float> weights, sum(n, 7.0F);
+    std::vector<float> weights, sum(n, 7.0F), peaks(passes::peaks_of(n), 7.0F);
     for (auto& row : rows) {
       for (float& value : row) value = any(random);
       at.push_back(row.data());
       weights.push_back(any(random));
     }
-    passes::weigh(at.data(), weights.data(), at.size(), sum.data(), n);
+    if (n > 3) rows[0][3] = std::numeric_limits<float>::quiet_NaN();
+    passes::weigh(at.data(), weights.data(), at.size(), sum.data(), peaks.data(), n);
     for (std::size_t i = 0; i < n; ++i) {
       float expected = 0.0F;
       for (std::size_t k = 0; k < rows.size(); ++k) expected += weights[k] * rows[k][i];
-      EXPECT_EQ(sum[i], expected);
+      if (std::isnan(expected))
+        EXPECT_TRUE(std::isnan(sum[i]));
+      else
+        EXPECT_EQ(sum[i], expected);
+    }
+    for (std::size_t block = 0; block < n / passes::kPeakBlock; ++block) {
+      float expected = 0.0F;
+      for (std::size_t i = block * passes::kPeakBlock; i < (block + 1) * passes::kPeakBlock; ++i)
+        expected = std::max(expected, std::isnan(sum[i]) ? 0.0F : std::abs(sum[i]));
+      const auto first = peaks.begin() + static_cast<std::ptrdiff_t>(block * passes::kPeakLanes);
+      EXPECT_EQ(*std::max_element(first, first + passes::kPeakLanes), expected);
     }
   }
 }
