@@ -274,13 +274,16 @@ void GroupEncoder::Impl::write_rest_axis(const LineGroup& group, std::size_t axi
   const auto [weights, with_above] = fit.solve();
   symbols.clear();
   put_fitted(group, state.known, with_above ? &neighbours : nullptr, weights, u, at, run_residuals, symbols);
-  const std::size_t start = to.size();
+  const auto used = std::span(weights).first(with_above ? kWeights : kLineWeights);
+  // Fitted residuals are written when byte planes are not clearly smaller: what they take is known to some hundredths before.
+  const std::size_t fitted = symbols.estimate() / 8 + 2 * used.size();
+  if (plain.find(group.runs, state.known, u, fitted - fitted / 64, planes)) {
+    to.insert(to.end(), plain.bytes().begin(), plain.bytes().end());
+    return;
+  }
   to.push_back(static_cast<std::byte>(with_above ? RestMode::fitted : RestMode::line));
-  for (const std::int16_t w : std::span(weights).first(with_above ? kWeights : kLineWeights)) put_signed(to, w);
+  for (const std::int16_t w : used) put_signed(to, w);
   symbols.write_long(to);
-  if (!plain.find(group.runs, state.known, u, to.size() - start, planes)) return;
-  to.resize(start);
-  to.insert(to.end(), plain.bytes().begin(), plain.bytes().end());
 }
 
 // The points that a level adds, ascending.

@@ -10,14 +10,17 @@ namespace scansion {
 /// Tries byte planes for one axis of a group. One object, one thread; memory is used again.
 class PlainAxis {
 public:
-  /// A small part says whether to try all. True when mode and planes, in bytes(), are fewer than `limit` bytes.
+  /// A small part, of large groups from several places, says whether to try all. True when mode and planes, in bytes(), are
+  /// fewer than `limit` bytes.
   [[nodiscard]] bool find(std::span<const Run> runs, std::span<const PointIndex> vertices, std::span<const std::int32_t> u,
                           std::size_t limit, PlaneWriter& planes);
   [[nodiscard]] ByteView bytes() const noexcept { return bytes_; }
 
 private:
-  void take(std::span<const Run> runs, std::span<const PointIndex> vertices, std::span<const std::int32_t> u, RestMode mode,
-            std::size_t most);
+  static std::size_t take(std::span<const Run> runs, std::span<const PointIndex> vertices, std::span<const std::int32_t> u,
+                          RestMode mode, std::span<std::int64_t> residuals) noexcept;
+  void take_part(std::span<const Run> runs, std::span<const PointIndex> vertices, std::span<const std::int32_t> u,
+                 RestMode mode, std::size_t most);
   [[nodiscard]] std::uint64_t bits() const noexcept;
   void put(RestMode mode, PlaneWriter& planes);
 
