@@ -3,6 +3,7 @@
 #include "pipeline/feature/crosswise/column_rows.hpp"
 
 #include "pipeline/feature/fit/pair.hpp"
+#include "pipeline/feature/passes/fastest.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -90,13 +91,11 @@ bool ColumnRows::is_of_wall(std::int64_t row, std::size_t column) const {
   return is_step(low, high, column);
 }
 
-void Column::take(const ColumnRows& rows, std::int64_t row, std::int64_t reach, std::size_t column, double base) {
-  first_ = std::max<std::int64_t>(0, row - reach);
-  const auto n = static_cast<std::size_t>(std::min(rows.size() - 1, row + reach) - first_ + 1);
-  w_.resize(n);
-  const auto from = rows.heights().subspan(static_cast<std::size_t>(first_), n);
-  Pair sum{}; // not a number: there are holes
-  double* const w = w_.data();
+namespace {
+
+// The heights of one column into `w`, above `base`; returns their sum, which is no number if there are holes.
+double gather(const float* const* from, std::size_t column, double base, double* w, std::size_t n) {
+  Pair sum{};
   std::size_t k = 0;
   for (; k + 2 <= n; k += 2) {
     const Pair pair = __builtin_convertvector(FloatPair{from[k][column], from[k + 1][column]}, Pair) + base;
@@ -105,9 +104,20 @@ void Column::take(const ColumnRows& rows, std::int64_t row, std::int64_t reach, 
     sum += pair;
   }
   for (; k < n; ++k) sum[0] += w[k] = static_cast<double>(from[k][column]) + base;
+  return sum[0] + sum[1];
+}
+
+} // namespace
+
+void Column::take(const ColumnRows& rows, std::int64_t row, std::int64_t reach, std::size_t column, double base) {
+  first_ = std::max<std::int64_t>(0, row - reach);
+  const auto n = static_cast<std::size_t>(std::min(rows.size() - 1, row + reach) - first_ + 1);
+  w_.resize(n);
+  const auto from = rows.heights().subspan(static_cast<std::size_t>(first_), n);
+  const double sum = passes::fastest<gather>(from.data(), column, base, w_.data(), n);
   s_ = rows.places().subspan(static_cast<std::size_t>(first_), n);
   index_.clear();
-  if (std::isnan(sum[0] + sum[1])) leave_out_holes();
+  if (std::isnan(sum)) leave_out_holes();
 }
 
 void Column::leave_out_holes() {

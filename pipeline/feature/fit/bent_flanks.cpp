@@ -2,11 +2,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/feature/fit/bent_flanks.hpp"
 
+#include "pipeline/feature/passes/fastest.hpp"
+
 #include <cmath>
 
 namespace scansion {
 
-double BentFlanks::moved(double u) const noexcept {
+namespace {
+
+double moved_body(const BentFlanks& flanks, double u) {
+  const auto& [sums, before, after, variance, reach] = flanks;
   constexpr double kFewest = 5.0;    // samples
   constexpr double kOfNoise = 4.0;   // what is taken off the sum of squares, in variances: two sigma of the curvature
   constexpr double kLeast = 0.25;    // of the turning: flanks that meet at less than this meet anywhere
@@ -28,6 +33,12 @@ double BentFlanks::moved(double u) const noexcept {
     moved -= (turning * moved + above) / slope;
   }
   return std::abs(moved) < kFarthest * reach ? moved : 0.0;
+}
+
+} // namespace
+
+double BentFlanks::moved(double u) const noexcept {
+  return passes::fastest<moved_body>(*this, u);
 }
 
 } // namespace scansion

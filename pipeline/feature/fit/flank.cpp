@@ -3,6 +3,7 @@
 #include "pipeline/feature/fit/flank.hpp"
 
 #include "pipeline/feature/fit/pair.hpp"
+#include "pipeline/feature/passes/fastest.hpp"
 
 #include <algorithm>
 #include <array>
@@ -259,10 +260,8 @@ Flank FlankSearch::longer_stretch(const Flank& flank) noexcept {
   return flank;
 }
 
-} // namespace
-
-Flank find_flank(const Heights& h, std::uint32_t from, std::uint32_t to, std::uint32_t window, std::uint32_t most_gap,
-                 const FitScale& scale) {
+Flank find_flank_body(const Heights& h, std::uint32_t from, std::uint32_t to, std::uint32_t window, std::uint32_t most_gap,
+                      const FitScale& scale) {
   constexpr std::uint32_t kFewest = 4;
   constexpr double kFlatter = 3.0; // radius of what is taken for straight against that of the largest rounding
   const Side side(h, from, to);
@@ -281,8 +280,23 @@ Flank find_flank(const Heights& h, std::uint32_t from, std::uint32_t to, std::ui
   return best;
 }
 
-bool is_chamfered(const Heights& h, std::uint32_t from, std::uint32_t to, const Flank& flank, const FitScale& scale) {
+} // namespace
+
+Flank find_flank(const Heights& h, std::uint32_t from, std::uint32_t to, std::uint32_t window, std::uint32_t most_gap,
+                 const FitScale& scale) {
+  return passes::fastest<find_flank_body>(h, from, to, window, most_gap, scale);
+}
+
+namespace {
+
+bool is_chamfered_body(const Heights& h, std::uint32_t from, std::uint32_t to, const Flank& flank, const FitScale& scale) {
   return flank.gap + 1 >= kLeastGap && is_hinged(Side(h, from, to), flank, scale.sigma());
+}
+
+} // namespace
+
+bool is_chamfered(const Heights& h, std::uint32_t from, std::uint32_t to, const Flank& flank, const FitScale& scale) {
+  return passes::fastest<is_chamfered_body>(h, from, to, flank, scale);
 }
 
 } // namespace scansion

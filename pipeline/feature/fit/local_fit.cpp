@@ -6,6 +6,7 @@
 #include "pipeline/feature/fit/pair.hpp"
 #include "pipeline/feature/fit/parabola.hpp"
 #include "pipeline/feature/fit/rounding.hpp"
+#include "pipeline/feature/passes/fastest.hpp"
 
 #include <cmath>
 #include <numbers>
@@ -310,7 +311,9 @@ Bend fit_bend(const Heights& heights, std::uint32_t k, std::uint32_t before, std
   return corner.bend();
 }
 
-std::optional<Bend> find_bend(const Heights& heights, std::uint32_t k, const Reach& reach, const FitScale& scale) {
+namespace {
+
+std::optional<Bend> find_bend_body(const Heights& heights, std::uint32_t k, const Reach& reach, const FitScale& scale) {
   std::optional<Corner> corner = find_corner(heights, k, reach, scale);
   if (!corner || !may_be_edge(*corner, scale)) return std::nullopt;
   RoundedEdge edge;
@@ -334,13 +337,21 @@ std::optional<Bend> find_bend(const Heights& heights, std::uint32_t k, const Rea
   return bend;
 }
 
+} // namespace
+
+std::optional<Bend> find_bend(const Heights& heights, std::uint32_t k, const Reach& reach, const FitScale& scale) {
+  return passes::fastest<find_bend_body>(heights, k, reach, scale);
+}
+
 Precedent Precedent::of(const Bend& bend, const FitScale& scale) noexcept {
   const bool sharp = bend.rounding == 0.0 && bend.window == scale.least_window && bend.sharpness >= 0.0;
   return {sharp, bend.tau < 0.0, 0};
 }
 
-std::optional<Bend> find_sharp_bend(const Heights& heights, std::uint32_t k, const Reach& reach, bool clockwise,
-                                    const FitScale& scale) {
+namespace {
+
+std::optional<Bend> find_sharp_bend_body(const Heights& heights, std::uint32_t k, const Reach& reach, bool clockwise,
+                                         const FitScale& scale) {
   Window window(heights, k, reach.before, reach.after);
   window.grow(scale.least_window);
   Corner corner = window.corner(scale.least_window, scale);
@@ -349,6 +360,13 @@ std::optional<Bend> find_sharp_bend(const Heights& heights, std::uint32_t k, con
   if (corner.sharpness < 0.0 || !is_followed(corner)) return std::nullopt;
   if (corner.radius > scale.arc_radius) corner.narrow_sharpness = std::min(corner.sharpness, kNarrowSharpest);
   return corner.bend();
+}
+
+} // namespace
+
+std::optional<Bend> find_sharp_bend(const Heights& heights, std::uint32_t k, const Reach& reach, bool clockwise,
+                                    const FitScale& scale) {
+  return passes::fastest<find_sharp_bend_body>(heights, k, reach, clockwise, scale);
 }
 
 std::optional<Bend> find_crest(const Heights& heights, std::uint32_t k, std::uint32_t before, std::uint32_t after,

@@ -4,6 +4,7 @@
 
 #include "pipeline/feature/fit/flank.hpp"
 #include "pipeline/feature/fit/parabola.hpp"
+#include "pipeline/feature/passes/fastest.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -36,10 +37,9 @@ double radius_of(double width, const RoundedEdge& edge) noexcept {
   return 0.5 * width / std::max(0.1, cosine) / std::min(kTan89, edge.turning.tangent_of_half());
 }
 
-} // namespace
-
-RoundingSearch find_rounding(const Heights& h, std::uint32_t k, std::uint32_t first, std::uint32_t last, std::uint32_t window,
-                             double s, const Turning& corner, const FitScale& scale, RoundedEdge& edge) {
+RoundingSearch find_rounding_body(const Heights& h, std::uint32_t k, std::uint32_t first, std::uint32_t last,
+                                  std::uint32_t window, double s, const Turning& corner, const FitScale& scale,
+                                  RoundedEdge& edge) {
   constexpr double kSharpest = 12.0;
   constexpr std::uint32_t kFewest = 4;
   if (k - first < kFewest || last - k < kFewest) return RoundingSearch::none;
@@ -69,6 +69,13 @@ RoundingSearch find_rounding(const Heights& h, std::uint32_t k, std::uint32_t fi
   edge.flank_after = inner_right;
   edge.window = std::max(l.gap + l.samples, r.gap + r.samples);
   return RoundingSearch::edge;
+}
+
+} // namespace
+
+RoundingSearch find_rounding(const Heights& h, std::uint32_t k, std::uint32_t first, std::uint32_t last, std::uint32_t window,
+                             double s, const Turning& corner, const FitScale& scale, RoundedEdge& edge) {
+  return passes::fastest<find_rounding_body>(h, k, first, last, window, s, corner, scale, edge);
 }
 
 } // namespace scansion

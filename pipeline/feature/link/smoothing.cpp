@@ -3,6 +3,7 @@
 #include "pipeline/feature/link/smoothing.hpp"
 
 #include "pipeline/feature/fit/pair.hpp"
+#include "pipeline/feature/passes/fastest.hpp"
 
 #include <algorithm>
 #include <array>
@@ -73,9 +74,7 @@ Pair robust_value(const Samples& x, std::size_t count) noexcept {
   return fit(x, weight, terms).c0;
 }
 
-} // namespace
-
-void smooth(Track& track, std::size_t first, std::size_t last) {
+void smooth_body(Track& track, std::size_t first, std::size_t last) {
   for (std::size_t i = first; i < last; ++i) {
     TrackPoint& p = track.points[i];
     const std::size_t low = i > kReach ? i - kReach : 0, high = std::min(track.points.size() - 1, i + kReach);
@@ -93,6 +92,12 @@ void smooth(Track& track, std::size_t first, std::size_t last) {
     p.smooth_q = p.q + smoothed[0];
     p.smooth_w = p.w + smoothed[1];
   }
+}
+
+} // namespace
+
+void smooth(Track& track, std::size_t first, std::size_t last) {
+  return passes::fastest<smooth_body>(track, first, last);
 }
 
 } // namespace scansion

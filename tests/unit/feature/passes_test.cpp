@@ -1,6 +1,7 @@
 // The loops over all samples: against their definitions, and both versions against each other.
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/feature/passes/column_passes.hpp"
+#include "pipeline/feature/passes/fastest.hpp"
 #include "pipeline/feature/passes/passes.hpp"
 
 #include "pipeline/feature/fit/steps.hpp"
@@ -56,6 +57,7 @@ TEST(Passes, FindWhereColumnsBendMost) {
   constexpr float kLeast = 2.0F;
   for (std::size_t n = 0; n < kMost; ++n) {
     std::vector<std::vector<float>> rows;
+    rows.reserve(5);
     for (int k = 0; k < 5; ++k) rows.push_back(values<float>(n, 7 + static_cast<unsigned>(k)));
     for (auto& row : rows)
       for (std::size_t k = 0; k < n; k += 5) row[k] = std::numeric_limits<float>::quiet_NaN();
@@ -238,6 +240,24 @@ TEST(Passes, ProjectAlongOneAxisAsAlongAll) {
       for (std::size_t k = 1; k < n; ++k) back += static_cast<std::size_t>(xyz[0][k] <= xyz[0][k - 1]);
       EXPECT_EQ(passes::count_back(xyz[0].data(), n), back);
     }
+}
+
+double product_and_sum(const std::vector<double>& x, double factor) {
+  double sum = 0.0;
+  for (const double value : x) sum += value * factor;
+  return sum;
+}
+
+// Fused, the product would not be rounded before it is added.
+TEST(Fastest, roundsAsEverywhere) {
+  std::vector<double> x(101);
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] = 1.0 / (3.0 + static_cast<double>(i));
+  double sum = 0.0;
+  for (const double value : x) {
+    const volatile double product = value * 0.7;
+    sum += product;
+  }
+  EXPECT_EQ(passes::fastest<product_and_sum>(x, 0.7), sum);
 }
 
 } // namespace
