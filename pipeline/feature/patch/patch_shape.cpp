@@ -85,11 +85,14 @@ private:
 } // namespace
 
 void PatchSums::add(const RowStretch& samples, double c) noexcept {
-  // Of long stretches two samples in the middle of each eight are enough, of very long ones two of each 16: what a surface is
-  // needs no more.
+  // Of long stretches two samples in the middle of each eight are enough, of longer ones two of each 16 or 32: what a surface
+  // is needs no more.
   constexpr std::size_t kLong = 48, kVeryLong = 96;
-  const std::size_t n = samples.count, first = samples.first, step = n < kVeryLong ? 8 : 16, few = n < kLong ? n : n % step,
-                    skip = step / 2 - 1;
+  const std::size_t n = samples.count, first = samples.first,
+                    step = n < kVeryLong       ? 8
+                           : n < 2 * kVeryLong ? 16
+                                               : 32,
+                    few = n < kLong ? n : n % step, skip = step / 2 - 1;
   RowSums all, some;
   all.add(samples, first, few / 2, 2);
   if (few % 2 != 0) all.add_one(samples.s[first + few - 1], samples.w[first + few - 1]);

@@ -69,11 +69,14 @@ void FrameFinder::add(const Counts& xyz, double resolution) {
   const auto at = [&](std::size_t axis, std::size_t k) { return xyz[axis][k] * resolution; };
   for (std::size_t k = 0; k < n; ++k)
     for (std::size_t i = 0; i < 3; ++i) middle[i] += at(i, k) * share;
+  auto sums = scatter_; // one half; the other is the same
   for (std::size_t k = 0; k < n; ++k) {
     const Vector3 d{at(0, k) - middle[0], at(1, k) - middle[1], at(2, k) - middle[2]};
     for (std::size_t i = 0; i < 3; ++i)
-      for (std::size_t j = 0; j < 3; ++j) scatter_[i][j] += d[i] * d[j] * share;
+      for (std::size_t j = i; j < 3; ++j) sums[i][j] += d[i] * d[j] * share;
   }
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 3; ++j) scatter_[i][j] = sums[std::min(i, j)][std::max(i, j)];
   if (lines_ == 0) first_middle_ = middle;
   last_middle_ = middle;
   ++lines_;

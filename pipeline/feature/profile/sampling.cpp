@@ -40,7 +40,7 @@ void RunningMedian::add(double value) {
 
 void SamplingEstimator::add(const Profile& profile) {
   // Medians over so many lines hardly change from one to the next.
-  constexpr std::uint64_t kEvery = 4;
+  constexpr std::uint64_t kEvery = 8;
   const std::size_t n = profile.size();
   if (n >= 8 && (!noise_.full() || ++passed_ % kEvery == 0)) {
     const std::size_t stride = std::max<std::size_t>(1, n / kLooks);
