@@ -19,6 +19,7 @@ SCANSION_INLINE Shifts stand_body(const double* s, const double* w, const EvenRo
   Four number{0.0, 1.0, 2.0, 3.0};
   FourFloats least{}, largest{}; // that of the first sample is 0
   std::size_t k = 0;
+#pragma GCC unroll 4
   for (; k + kAtOnce <= n; k += kAtOnce, number += static_cast<double>(kAtOnce)) {
     Four place, upwards;
     get(s + k, place);
@@ -88,27 +89,40 @@ SCANSION_INLINE void raise(const Eight& values, Eight& peaks) noexcept {
   peaks = size > peaks ? size : peaks;
 }
 
+/// So many blocks of columns from `from` on: rows and weights are looked up once for them.
+template <std::size_t Blocks>
+SCANSION_INLINE void weigh_blocks(const float* const* rows, const float* weights, std::size_t count, std::size_t from,
+                                  float* to, float* peaks) noexcept {
+  constexpr std::size_t kOfBlock = kPeakBlock / kLanes;
+  static_assert(kPeakLanes == kLanes);
+  Eight sums[Blocks * kOfBlock] = {};
+  for (std::size_t k = 0; k < count; ++k) {
+    const float* const row = rows[k] + from;
+#pragma GCC unroll 8
+    for (std::size_t i = 0; i < Blocks * kOfBlock; ++i) add_weighed(row + i * kLanes, weights[k], sums[i]);
+  }
+#pragma GCC unroll 2
+  for (std::size_t block = 0; block < Blocks; ++block) {
+    Eight most{};
+#pragma GCC unroll 4
+    for (std::size_t i = block * kOfBlock; i < (block + 1) * kOfBlock; ++i) {
+      std::memcpy(to + from + i * kLanes, &sums[i], sizeof sums[i]);
+      raise(sums[i], most);
+    }
+    std::memcpy(peaks + block * kPeakLanes, &most, sizeof most);
+  }
+}
+
 SCANSION_INLINE void weigh_body(const float* const* rows, const float* weights, std::size_t count, float* to, float* peaks,
                                 std::size_t n) noexcept {
-  static_assert(kPeakBlock == 4 * kLanes && kPeakLanes == kLanes);
   std::size_t i = 0;
-  for (; i + 4 * kLanes <= n; i += 4 * kLanes) { // rows and weights are looked up once for so many
-    Eight a{}, b{}, c{}, d{};
-    for (std::size_t k = 0; k < count; ++k) {
-      const float* const row = rows[k] + i;
-      add_weighed(row, weights[k], a);
-      add_weighed(row + kLanes, weights[k], b);
-      add_weighed(row + 2 * kLanes, weights[k], c);
-      add_weighed(row + 3 * kLanes, weights[k], d);
-    }
-    std::memcpy(to + i, &a, sizeof a);
-    std::memcpy(to + i + kLanes, &b, sizeof b);
-    std::memcpy(to + i + 2 * kLanes, &c, sizeof c);
-    std::memcpy(to + i + 3 * kLanes, &d, sizeof d);
-    Eight most{};
-    for (const Eight* const sum : {&a, &b, &c, &d}) raise(*sum, most);
-    std::memcpy(peaks, &most, sizeof most);
-    peaks += kPeakLanes;
+  for (; i + 2 * kPeakBlock <= n; i += 2 * kPeakBlock, peaks += 2 * kPeakLanes)
+    weigh_blocks<2>(rows, weights, count, i, to, peaks);
+  for (; i + kPeakBlock <= n; i += kPeakBlock, peaks += kPeakLanes) weigh_blocks<1>(rows, weights, count, i, to, peaks);
+  if (i > 0 && i < n) { // what is left, with some once more
+    std::array<float, kPeakLanes> unused;
+    weigh_blocks<1>(rows, weights, count, n - kPeakBlock, to, unused.data());
+    return;
   }
   for (; i < n; ++i) {
     float sum = 0.0F;

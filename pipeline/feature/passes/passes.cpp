@@ -25,18 +25,19 @@ SCANSION_INLINE void project_body(const std::array<const std::int32_t*, 3>& xyz,
   }
 }
 
-// The same where one axis goes along and the other up.
-SCANSION_INLINE void project_straight_body(const std::int32_t* __restrict x, const std::int32_t* __restrict z, double unit,
-                                           double ex, double mz, double* __restrict s, double* __restrict w,
-                                           std::size_t n) noexcept {
+// The same where one axis goes along and the other up, one to one: `along` and `up` in mm per count.
+SCANSION_INLINE void project_straight_body(const std::int32_t* __restrict x, const std::int32_t* __restrict z, double along,
+                                           double up, double* __restrict s, double* __restrict w, std::size_t n) noexcept {
+#pragma GCC unroll 4
   for (std::size_t k = 0; k < n; ++k) {
-    s[k] = x[k] * unit * ex;
-    w[k] = z[k] * unit * mz;
+    s[k] = x[k] * along;
+    w[k] = z[k] * up;
   }
 }
 
 SCANSION_INLINE std::int64_t sum_body(const std::int32_t* values, std::size_t n) noexcept {
   std::int64_t sum = 0;
+#pragma GCC unroll 4
   for (std::size_t k = 0; k < n; ++k) sum += values[k];
   return sum;
 }
@@ -44,6 +45,7 @@ SCANSION_INLINE std::int64_t sum_body(const std::int32_t* values, std::size_t n)
 template <typename T, typename Count>
 SCANSION_INLINE std::size_t count_back_body(const T* values, std::size_t n) noexcept {
   Count back = 0; // as wide as values are: fewer instructions
+#pragma GCC unroll 4
   for (std::size_t k = 1; k < n; ++k) back += static_cast<Count>(values[k] <= values[k - 1]);
   return back;
 }
@@ -117,9 +119,9 @@ SCANSION_AVX2 void project_avx2(const std::array<const std::int32_t*, 3>& xyz, c
 SCANSION_AVX2 std::int64_t sum_avx2(const std::int32_t* values, std::size_t n) noexcept {
   return sum_body(values, n);
 }
-SCANSION_AVX2 void project_straight_avx2(const std::int32_t* x, const std::int32_t* z, double unit, double ex, double mz,
-                                         double* s, double* w, std::size_t n) noexcept {
-  project_straight_body(x, z, unit, ex, mz, s, w, n);
+SCANSION_AVX2 void project_straight_avx2(const std::int32_t* x, const std::int32_t* z, double along, double up, double* s,
+                                         double* w, std::size_t n) noexcept {
+  project_straight_body(x, z, along, up, s, w, n);
 }
 SCANSION_AVX2 std::size_t count_back_avx2(const double* values, std::size_t n) noexcept {
   return count_back_body<double, std::uint64_t>(values, n);
@@ -154,9 +156,11 @@ void project(const std::array<const std::int32_t*, 3>& xyz, const Projection& pr
              std::size_t n) noexcept {
   const auto& [unit, along, up] = projection;
   const std::size_t axis = along[1] == 0.0 ? 0 : 1;
-  if (along[1 - axis] == 0.0 && up[0] == 0.0 && up[1] == 0.0)
-    return has_avx2() ? project_straight_avx2(xyz[axis], xyz[2], unit, along[axis], up[2], s, w, n)
-                      : project_straight_body(xyz[axis], xyz[2], unit, along[axis], up[2], s, w, n);
+  if (std::abs(along[axis]) == 1.0 && std::abs(up[2]) == 1.0 && up[0] == 0.0 && up[1] == 0.0) {
+    const double s_mm = unit * along[axis], w_mm = unit * up[2];
+    return has_avx2() ? project_straight_avx2(xyz[axis], xyz[2], s_mm, w_mm, s, w, n)
+                      : project_straight_body(xyz[axis], xyz[2], s_mm, w_mm, s, w, n);
+  }
   has_avx2() ? project_avx2(xyz, projection, s, w, n) : project_body(xyz, projection, s, w, n);
 }
 

@@ -134,6 +134,30 @@ TEST(Passes, FindWhatReachesALimit) {
   }
 }
 
+TEST(Passes, ProjectStraightAsAnyOther) {
+  std::mt19937 random(8);
+  std::uniform_int_distribution<std::int32_t> count(-2'000'000'000, 2'000'000'000);
+  constexpr std::array<passes::Projection, 3> kStraight{{{0.001, {1.0, 0.0, 0.0}, {0.0, 0.0, 1.0}},
+                                                         {0.0254, {0.0, -1.0, 0.0}, {0.0, 0.0, 1.0}},
+                                                         {0.001, {1.0, 0.0, 0.0}, {0.0, 0.0, 0.75}}}};
+  for (std::size_t n = 0; n < kMost; ++n) {
+    std::array<std::vector<std::int32_t>, 3> xyz;
+    for (auto& axis : xyz) {
+      axis.resize(n);
+      for (std::int32_t& value : axis) value = count(random);
+    }
+    for (const passes::Projection& straight : kStraight) {
+      std::vector<double> s(n), w(n);
+      passes::project({xyz[0].data(), xyz[1].data(), xyz[2].data()}, straight, s.data(), w.data(), n);
+      const auto& [unit, along, up] = straight;
+      for (std::size_t k = 0; k < n; ++k) {
+        EXPECT_EQ(s[k], xyz[0][k] * unit * along[0] + xyz[1][k] * unit * along[1]);
+        EXPECT_EQ(w[k], xyz[2][k] * unit * up[2]);
+      }
+    }
+  }
+}
+
 TEST(Passes, ProjectAndSumCounts) {
   std::mt19937 random(4);
   std::uniform_int_distribution<std::int32_t> count(-2'000'000'000, 2'000'000'000);
