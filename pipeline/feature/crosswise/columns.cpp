@@ -112,6 +112,7 @@ void Columns::finish(const Sampling& sampling, std::vector<ColumnPoint>& out) {
 void Columns::mark_walls(std::int64_t r, const Sampling& sampling) {
   constexpr double kRounded = 1e-3; // of a limit: heights of columns are
   row(r).marked_above = kCalmer * sampling.noise;
+  marked_above_ = std::max(marked_above_, row(r).marked_above);
   if (r - first_ < 3) {
     std::fill(marks_.begin(), marks_.end(), static_cast<std::uint32_t>(r));
     last_marked_ = r;
@@ -317,8 +318,11 @@ void Columns::harvest(std::int64_t r, const Sampling& sampling, std::vector<Colu
   wide_ = {&ColumnRow::wide, static_cast<std::int64_t>(wanted_), near, least_bend(wanted_, sampling)};
   const WallTest test(scale);
   rows_.set_test(test);
-  trusted_ = true;
-  for (std::int64_t k = first_; k < next_; ++k) trusted_ = trusted_ && row(k).marked_above <= sampling.noise;
+  if (marked_above_ > sampling.noise) { // by a row that is held no more, perhaps
+    marked_above_ = 0.0;
+    for (std::int64_t k = first_; k < next_; ++k) marked_above_ = std::max(marked_above_, row(k).marked_above);
+  }
+  trusted_ = marked_above_ <= sampling.noise;
   const std::int64_t at = r - first_;
   const ColumnRow& centre = rows_[at];
   const ColumnRow& next = at + 1 < rows_.size() ? rows_[at + 1] : centre;

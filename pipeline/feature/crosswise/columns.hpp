@@ -119,6 +119,7 @@ private:
   std::vector<float> unknown_;        // NaN in each column
   std::vector<std::uint32_t> marks_;  // of each column: number of the row before which a wall may have started last
   std::int64_t last_marked_ = -1;     // the greatest of these
+  double marked_above_ = 0.0;         // the most of all rows held, or more
   bool trusted_ = false;              // marks hold for the noise as it is
   std::int64_t first_ = 0, next_ = 0; // rows held
   std::vector<const float*> weighed_; // rows in slopes

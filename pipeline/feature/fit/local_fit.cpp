@@ -252,7 +252,8 @@ std::optional<Corner> find_corner(const Heights& heights, std::uint32_t k, const
       narrow = std::clamp(corner.sharpness, -kNarrowSharpest, kNarrowSharpest);
     if (corner.sharpness < kArc && corner.radius > scale.arc_radius && corner.is_significant(kLeastSignificance)) arc = true;
     if (factor > 1 && corner.misfit > kMisfit && best) break;
-    if (corner.sharpness > kClearSharpness && corner.is_significant(kClearSignificance)) {
+    const bool clear = corner.sharpness > kClearSharpness || corner.misfit > kMisfit; // wider windows would follow no better
+    if (clear && corner.is_significant(kClearSignificance)) {
       best = corner;
       break;
     }
