@@ -62,15 +62,16 @@ Vector3 scaled(const Vector3& v, double factor) {
 } // namespace
 
 void FrameFinder::add(const Counts& xyz, double resolution) {
-  const std::size_t n = xyz[0].size();
+  constexpr std::size_t kLooks = 256; // of a long line so many samples at least, of which a plane needs no more
+  const std::size_t n = xyz[0].size(), stride = std::max<std::size_t>(1, n / kLooks);
   if (n == 0) return;
   Vector3 middle{};
-  const double share = 1.0 / static_cast<double>(n);
+  const double share = 1.0 / static_cast<double>((n - 1) / stride + 1);
   const auto at = [&](std::size_t axis, std::size_t k) { return xyz[axis][k] * resolution; };
-  for (std::size_t k = 0; k < n; ++k)
+  for (std::size_t k = 0; k < n; k += stride)
     for (std::size_t i = 0; i < 3; ++i) middle[i] += at(i, k) * share;
   auto sums = scatter_; // one half; the other is the same
-  for (std::size_t k = 0; k < n; ++k) {
+  for (std::size_t k = 0; k < n; k += stride) {
     const Vector3 d{at(0, k) - middle[0], at(1, k) - middle[1], at(2, k) - middle[2]};
     for (std::size_t i = 0; i < 3; ++i)
       for (std::size_t j = i; j < 3; ++j) sums[i][j] += d[i] * d[j] * share;
