@@ -170,8 +170,7 @@ void GroupEncoder::Impl::find_fan(const LineGroup& group) {
 std::int64_t GroupEncoder::Impl::remainder(const LineGroup& group, std::size_t axis, PointIndex i) const noexcept {
   const Fan& fan = facts.fan;
   if (fan.empty() || (axis != fan.range_axis && axis != fan.direction_axis)) return scales[axis].remainder(group.xyz[axis][i]);
-  const std::size_t part = axis == fan.range_axis ? 0 : 1;
-  return wrap(std::int64_t{group.xyz[axis][i]} - fan.coordinate(part, fans.directions[i], fans.ranges[i]));
+  return fans.off[axis == fan.range_axis ? 0 : 1][i];
 }
 
 void GroupEncoder::Impl::write_even_ends(const LineGroup& group, Bytes& to) {

@@ -97,10 +97,9 @@ bool FanFinder::cut_by_buckets() {
     if (p.size > bucket.longest.size) bucket.longest = {p.turn, p.size};
   }
   // No point is farther from the longest one's direction than half of what would part them.
-  for (const Point& p : points_) {
-    const Bucket& bucket = buckets_[static_cast<std::size_t>(directions[p.index])];
-    if (2 * std::abs(p.turn - bucket.longest.turn) * p.size > kCounts) return false;
-  }
+  const Bucket* const buckets = buckets_.data();
+  for (const Point& p : points_)
+    if (2 * std::abs(p.turn - buckets[directions[p.index]].longest.turn) * p.size > kCounts) return false;
   count_ = 0;
   const Bucket* before = nullptr;
   for (const std::uint32_t b : bucket_at_) {
@@ -125,12 +124,13 @@ void FanFinder::cut_sorted() {
 
 // The direction of each point.
 bool FanFinder::sort_out(std::span<const std::int32_t> x, std::span<const std::int32_t> y) {
-  points_.clear();
+  points_.resize(x.size());
+  Point* const points = points_.data();
   for (std::uint32_t i = 0; i < x.size(); ++i) {
     const double size = std::abs(static_cast<double>(x[i])) + std::abs(static_cast<double>(y[i]));
     if (size == 0) return false;
     const double part = y[i] / size;
-    points_.push_back({x[i] >= 0 ? part : (y[i] >= 0 ? 2 - part : -2 - part), size, i});
+    points[i] = {x[i] >= 0 ? part : (y[i] >= 0 ? 2 - part : -2 - part), size, i};
   }
   directions.resize(x.size());
   if (!cut_by_buckets()) cut_sorted();
@@ -142,24 +142,27 @@ bool FanFinder::fit(std::span<const std::int32_t> x, std::span<const std::int32_
   std::int32_t longest = 0;
   ranges.resize(x.size());
   vectors_.assign(count_, {});
+  std::int32_t* const range_of = ranges.data();
+  const std::int32_t* const direction_of = directions.data();
+  Vector* const vectors = vectors_.data();
+  const double step = step_;
   for (std::size_t i = 0; i < x.size(); ++i) {
     constexpr double kHalf = 0.5; // ranges are positive: what is cut off then rounds
-    const double steps = length(x[i], y[i]) / step_ + kHalf;
-    const auto n = static_cast<std::int32_t>(steps);
-    ranges[i] = n;
+    const auto n = static_cast<std::int32_t>(length(x[i], y[i]) / step + kHalf);
+    range_of[i] = n;
     longest = std::max(longest, n);
     if (n <= 0) continue;
-    Vector& vector = vectors_[static_cast<std::size_t>(directions[i])];
+    Vector& vector = vectors[direction_of[i]];
     const double a_step = 1.0 / n;
     const bool best = n > vector.best_range;
     if (best) vector.best_range = n;
-    for (const std::size_t part : {0U, 1U}) {
-      const double v = part == 0 ? x[i] : y[i];
-      Between& range = vector.parts[part];
-      range.low = std::max(range.low, (v - 0.5) * a_step);
-      range.high = std::min(range.high, (v + 0.5) * a_step);
+    const auto narrow = [&](Between& range, double v) {
+      range.low = std::max(range.low, (v - kHalf) * a_step);
+      range.high = std::min(range.high, (v + kHalf) * a_step);
       if (best) range.best = v * a_step;
-    }
+    };
+    narrow(vector.parts[0], x[i]);
+    narrow(vector.parts[1], y[i]);
   }
   constexpr unsigned kSpareBits = 6;
   fan.shift =
@@ -172,15 +175,21 @@ bool FanFinder::fit(std::span<const std::int32_t> x, std::span<const std::int32_
       fan.directions[d][part] =
           std::llround((range.low < range.high ? range.low + (range.high - range.low) / 2 : range.best) * unit);
     }
-  std::size_t right = 0;
-  exact = {true, true};
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    const bool first = fan.coordinate(0, directions[i], ranges[i]) == x[i];
-    const bool second = fan.coordinate(1, directions[i], ranges[i]) == y[i];
-    right += first && second ? 1U : 0U;
-    exact[0] &= first;
-    exact[1] &= second;
+  for (const std::size_t part : {0U, 1U}) {
+    const std::int32_t* const values = part == 0 ? x.data() : y.data();
+    off[part].resize(x.size());
+    std::int32_t* const to = off[part].data();
+    std::uint32_t any = 0;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const std::int32_t told = fan.coordinate(part, direction_of[i], range_of[i]);
+      const std::uint32_t by = static_cast<std::uint32_t>(values[i]) - static_cast<std::uint32_t>(told);
+      to[i] = static_cast<std::int32_t>(by);
+      any |= by;
+    }
+    exact[part] = any == 0;
   }
+  std::size_t right = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) right += (off[0][i] | off[1][i]) == 0 ? 1U : 0U;
   return 4 * right >= 3 * x.size();
 }
 

@@ -39,7 +39,8 @@ public:
   void find(std::span<const std::int32_t> x, std::span<const std::int32_t> y, Fan& fan);
 
   std::vector<std::int32_t> ranges, directions;
-  std::array<bool, 2> exact{}; ///< per part: all points come out right
+  std::array<std::vector<std::int32_t>, 2> off; ///< per part: by how much each point lies beside what range and direction say
+  std::array<bool, 2> exact{};                  ///< per part: all points come out right
 
 private:
   struct Point {

@@ -185,18 +185,22 @@ std::array<std::int32_t, kWeights> deviations_of(const RestAxis& axis, std::span
                                                  const Neighbours& neighbours, const RestLine& line, PointIndex run_first,
                                                  PointIndex i) noexcept {
   std::array<std::int32_t, kWeights> d{};
-  for (std::size_t k = 0; k < kLeft; ++k) d[k] = i >= run_first + k + 1 ? axis.deviation[i - k - 1] : 0;
+  const std::int32_t* const deviation = axis.deviation.data();
+  for (std::size_t k = 0; k < std::min<std::size_t>(kLeft, i - run_first); ++k) d[k] = deviation[i - k - 1];
   for (std::size_t k = 0; k < kMeans; ++k) d[kLeft + k] = axis.means[k][i] + RunningMeans::kLess[k];
   if (!line.has_above) return d;
   const std::int64_t j = neighbours.of(line, i);
-  const auto held = [&](std::int64_t p) {
-    return static_cast<PointIndex>(std::clamp<std::int64_t>(p, line.above_first, line.above_end - 1));
+  const std::int32_t* const chord = axis.chord.data() + i - 1;
+  const auto put = [&](std::size_t k, std::int64_t p) {
+    d[kLineWeights + k] = deviation[p];
+    d[kLineWeights + kBeside + k] = wrap(std::int64_t{u[static_cast<std::size_t>(p)]} - chord[k]);
   };
-  for (std::size_t k = 0; k < kBeside; ++k) {
-    const PointIndex p = held(j + static_cast<std::int64_t>(k) - 1);
-    d[kLineWeights + k] = axis.deviation[p];
-    d[kLineWeights + kBeside + k] = wrap(std::int64_t{u[p]} - axis.chord[i + k - 1]);
+  if (j > line.above_first && j + 1 < line.above_end) {
+    for (std::size_t k = 0; k < kBeside; ++k) put(k, j + static_cast<std::int64_t>(k) - 1);
+    return d;
   }
+  for (std::size_t k = 0; k < kBeside; ++k)
+    put(k, std::clamp<std::int64_t>(j + static_cast<std::int64_t>(k) - 1, line.above_first, line.above_end - 1));
   return d;
 }
 
