@@ -66,7 +66,8 @@ void FrameFinder::add(const Counts& xyz, double resolution) {
   const std::size_t n = xyz[0].size(), stride = std::max<std::size_t>(1, n / kLooks);
   if (n == 0) return;
   Vector3 middle{};
-  const double share = 1.0 / static_cast<double>((n - 1) / stride + 1);
+  const std::size_t looks = (n - 1) / stride + 1;
+  const double share = 1.0 / static_cast<double>(looks);
   const auto at = [&](std::size_t axis, std::size_t k) { return xyz[axis][k] * resolution; };
   for (std::size_t k = 0; k < n; k += stride)
     for (std::size_t i = 0; i < 3; ++i) middle[i] += at(i, k) * share;
