@@ -64,7 +64,7 @@ std::uint64_t PlainAxis::bits() const noexcept {
 
 void PlainAxis::put(RestMode mode, PlaneWriter& planes) {
   bytes_.assign(1, static_cast<std::byte>(mode));
-  planes.put_planes(bytes_, residuals_);
+  planes.put_planes(bytes_, residuals_, PlaneWriter::Effort::quick);
 }
 
 bool PlainAxis::find(std::span<const Run> runs, std::span<const PointIndex> vertices, std::span<const std::int32_t> u,
@@ -79,7 +79,9 @@ bool PlainAxis::find(std::span<const Run> runs, std::span<const PointIndex> vert
   if (best == RestMode::left) take_part(runs, vertices, u, best, part);
   put(best, planes);
   const std::size_t taken = residuals_.size();
-  if (bytes_.size() * all > limit * taken + limit * taken / 8) return false;
+  // A part does not repeat itself as much as the whole does, least of all a small one.
+  const std::size_t slack = limit * taken / (part < kPart ? 6 : 8);
+  if (bytes_.size() * all > limit * taken + slack) return false;
   grow(memory_, all);
   residuals_ = std::span(memory_).first(take(runs, vertices, u, best, std::span(memory_).first(all)));
   put(best, planes);

@@ -12,6 +12,7 @@ namespace scansion {
 namespace {
 
 constexpr int kZstdLevel = 3;
+constexpr int kQuickZstdLevel = 1;
 constexpr std::uint64_t kRaw = 0;
 constexpr std::uint64_t kZstd = 1;
 constexpr std::uint64_t kConstant = 2;
@@ -24,7 +25,6 @@ struct PlaneWriter::Context {
   Bytes packed;
   Context() {
     if (zstd == nullptr) throw std::bad_alloc();
-    ZSTD_CCtx_setParameter(zstd, ZSTD_c_compressionLevel, kZstdLevel);
     // The reader knows the size, and payloads carry their own checksum.
     ZSTD_CCtx_setParameter(zstd, ZSTD_c_contentSizeFlag, 0);
     ZSTD_CCtx_setParameter(zstd, ZSTD_c_checksumFlag, 0);
@@ -39,7 +39,7 @@ PlaneWriter::~PlaneWriter() = default;
 PlaneWriter::PlaneWriter(PlaneWriter&&) noexcept = default;
 PlaneWriter& PlaneWriter::operator=(PlaneWriter&&) noexcept = default;
 
-void PlaneWriter::put_packed(Bytes& to, ByteView raw) {
+void PlaneWriter::put_packed(Bytes& to, ByteView raw, Effort effort) {
   if (raw.empty()) return;
   if (std::all_of(raw.begin(), raw.end(), [&](std::byte b) { return b == raw.front(); })) {
     put_varint(to, (1U << 2U) | kConstant);
@@ -48,6 +48,7 @@ void PlaneWriter::put_packed(Bytes& to, ByteView raw) {
   }
   Bytes& packed = context_->packed;
   packed.resize(std::max(packed.size(), ZSTD_compressBound(raw.size())));
+  ZSTD_CCtx_setParameter(context_->zstd, ZSTD_c_compressionLevel, effort == Effort::quick ? kQuickZstdLevel : kZstdLevel);
   const std::size_t size = ZSTD_compress2(context_->zstd, packed.data(), packed.size(), raw.data(), raw.size());
   const bool smaller = ZSTD_isError(size) == 0 && size < raw.size();
   const ByteView stored = smaller ? ByteView(packed).first(size) : raw;
@@ -57,10 +58,10 @@ void PlaneWriter::put_packed(Bytes& to, ByteView raw) {
 
 void PlaneWriter::put_blob(Bytes& to, ByteView raw) {
   put_varint(to, raw.size());
-  put_packed(to, raw);
+  put_packed(to, raw, Effort::usual);
 }
 
-void PlaneWriter::put_planes(Bytes& to, std::span<const std::int64_t> values) {
+void PlaneWriter::put_planes(Bytes& to, std::span<const std::int64_t> values, Effort effort) {
   std::uint64_t all = 0;
   zigzags_.resize(std::max(zigzags_.size(), values.size()));
   std::uint64_t* const folded = zigzags_.data();
@@ -71,7 +72,7 @@ void PlaneWriter::put_planes(Bytes& to, std::span<const std::int64_t> values) {
   std::byte* const plane = plane_.data();
   for (std::size_t p = 0; p < width; ++p) {
     for (std::size_t i = 0; i < values.size(); ++i) plane[i] = static_cast<std::byte>(folded[i] >> (8 * p));
-    put_packed(to, ByteView(plane_).first(values.size()));
+    put_packed(to, ByteView(plane_).first(values.size()), effort);
   }
 }
 

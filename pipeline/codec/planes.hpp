@@ -12,6 +12,8 @@ namespace scansion {
 /// Compresses; holds a zstd context. One object, one thread.
 class PlaneWriter {
 public:
+  /// Quick packing takes two thirds of the time. Residuals of axes come out no larger by it, IEEE residuals by a hundredth.
+  enum class Effort : std::uint8_t { usual, quick };
   PlaneWriter();
   ~PlaneWriter();
   PlaneWriter(PlaneWriter&&) noexcept;
@@ -20,10 +22,10 @@ public:
   /// A byte string with its length in front.
   void put_blob(Bytes& to, ByteView raw);
   /// Signed integers whose count the reader knows: zigzag, then one plane per byte of the largest.
-  void put_planes(Bytes& to, std::span<const std::int64_t> values);
+  void put_planes(Bytes& to, std::span<const std::int64_t> values, Effort effort = Effort::usual);
 
 private:
-  void put_packed(Bytes& to, ByteView raw);
+  void put_packed(Bytes& to, ByteView raw, Effort effort);
   struct Context;
   std::unique_ptr<Context> context_;
   std::vector<std::uint64_t> zigzags_; ///< memory
