@@ -167,7 +167,7 @@ Result<Totals> Compression::write(Importer& importer, const std::string& path) {
   Totals totals;
   const RecordingFacts facts = this->facts(importer);
   SCANSION_TRY(resolution, resolution_mm(facts.lattice));
-  SCANSION_TRY(writer, RecordingWriter::create(path, facts));
+  SCANSION_TRY(writer, RecordingWriter::create(path, facts, ChunkRule::many_groups));
   FeatureRecorder features(options_, facts.lattice);
   GroupWorkers workers(options_.threads, levels_, resolution, facts.stream,
                        [&](const LineGroup& group, const GroupRanks& ranks, const EncodedGroup& encoded) -> Result<void> {

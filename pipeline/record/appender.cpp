@@ -9,12 +9,18 @@
 #include <cmath>
 
 namespace scansion {
+namespace {
+
+constexpr std::uint64_t kFullChunk = 1U << 20U; ///< bytes of payloads and texts that are held back at most, but for the last
+
+} // namespace
 
 Appender::Appender(File file, const RecordingFacts& facts)
     : file_(std::move(file)), facts_(facts), copy_(facts_record(facts)) {}
 
-Result<Appender> Appender::start(File file, const RecordingFacts& facts) {
+Result<Appender> Appender::start(File file, const RecordingFacts& facts, ChunkRule rule) {
   Appender appender(std::move(file), facts);
+  appender.rule_ = rule;
   const Bytes head = head_bytes(facts);
   const ByteView view(head);
   SCANSION_TRY(appender.write(std::span(&view, 1)));
@@ -27,6 +33,7 @@ Result<Appender> Appender::start(File file, const RecordingFacts& facts) {
 Result<Appender> Appender::resume(File file, const RecordingFacts& facts, State state) {
   Appender appender(std::move(file), facts);
   appender.state_ = std::move(state);
+  appender.written_groups_ = appender.state_.totals.groups;
   SCANSION_TRY(appender.file_.truncate(appender.state_.size + appender.state_.standing));
   return appender;
 }
@@ -91,17 +98,20 @@ Result<void> Appender::append_group(std::span<const ByteView> payloads, std::uin
   SCANSION_TRY(lines, check(payloads));
   if (lines.points != points)
     return fail(Errc::usage, file_.path(), ": a group cannot be written: its line table counts other points than the caller");
-  block_.build_group(lines.group, lines.first_time_ns, payloads);
-  pieces_ = block_.pieces();
-  const bool with_copy = facts_due(state_.totals.groups + 1);
-  if (with_copy) pieces_.emplace_back(copy_);
-  SCANSION_TRY(write(pieces_));
-
-  took_block(lines.first_time_ns, BlockKind::group);
-  if (with_copy) {
-    state_.copies.push_back(state_.size);
-    state_.size += copy_.size();
-    state_.data_crc = mcap::crc32(state_.data_crc, copy_);
+  if (rule_ == ChunkRule::each_group) {
+    const MessageSet set{lines.group, lines.first_time_ns, payloads};
+    SCANSION_TRY(write_groups(std::span(&set, 1)));
+  } else {
+    std::uint64_t size = 0;
+    for (const ByteView p : payloads) size += p.size();
+    if (held_.size + size > kFullChunk) {
+      SCANSION_TRY(write_held());
+    }
+    const std::size_t at = held_.groups.size() * payloads.size();
+    if (held_.payloads.size() < at + payloads.size()) held_.payloads.resize(at + payloads.size());
+    for (std::size_t i = 0; i < payloads.size(); ++i) held_.payloads[at + i].assign(payloads[i].begin(), payloads[i].end());
+    held_.groups.push_back({lines.group, lines.first_time_ns});
+    held_.size += size;
   }
   state_.order.take(lines);
   state_.totals.groups += 1;
@@ -109,7 +119,55 @@ Result<void> Appender::append_group(std::span<const ByteView> payloads, std::uin
   state_.totals.points += points;
   state_.totals.runs += counts.runs;
   state_.totals.invalid += counts.invalid;
+  // Copies of the facts stand behind chunks.
+  if (held_.groups.size() == kMaxChunkGroups || (facts_due(state_.totals.groups) && !held_.groups.empty())) return write_held();
   return success();
+}
+
+/// The groups are the last ones of the totals, or come next.
+Result<void> Appender::write_groups(std::span<const MessageSet> groups) {
+  block_.build_groups(groups);
+  pieces_ = block_.pieces();
+  written_groups_ += groups.size();
+  const bool with_copy = facts_due(written_groups_);
+  if (with_copy) pieces_.emplace_back(copy_);
+  if (auto written = write(pieces_); !written) {
+    written_groups_ -= groups.size();
+    return written;
+  }
+  took_block(BlockKind::group);
+  if (with_copy) {
+    state_.copies.push_back(state_.size);
+    state_.size += copy_.size();
+    state_.data_crc = mcap::crc32(state_.data_crc, copy_);
+  }
+  return success();
+}
+
+Result<void> Appender::write_text(BlockKind kind, std::uint32_t sequence, std::uint64_t time, ByteView text) {
+  block_.build_text(facts_, kind, sequence, time, text);
+  SCANSION_TRY(write(block_.pieces()));
+  took_block(kind);
+  return success();
+}
+
+Result<void> Appender::write_held() {
+  if (held_.groups.empty() && held_.notes.empty()) return success();
+  const std::size_t stride = payloads_per_group(facts_);
+  payloads_.assign(held_.payloads.begin(), held_.payloads.end());
+  sets_.clear();
+  for (std::size_t g = 0; g < held_.groups.size(); ++g)
+    sets_.push_back({held_.groups[g].number, held_.groups[g].time, std::span(payloads_).subspan(g * stride, stride)});
+  auto written = sets_.empty() ? success() : write_groups(sets_);
+  for (std::size_t n = 0; written && n < held_.notes.size(); ++n) {
+    const Held::Note& note = held_.notes[n];
+    written = write_text(note.kind, note.sequence, note.time, note.text);
+  }
+  if (!written) torn_ = true; // the totals count what was held
+  held_.groups.clear();
+  held_.notes.clear();
+  held_.size = 0;
+  return written;
 }
 
 Result<void> Appender::append_gap(const Gap& gap, std::uint64_t time) {
@@ -117,9 +175,8 @@ Result<void> Appender::append_gap(const Gap& gap, std::uint64_t time) {
   const std::string text = gap_text(gap);
   if (text.size() > kMaxGapText)
     return fail(Errc::usage, file_.path(), ": the reason of a gap is longer than 64 KiB; shorten it");
-  block_.build_text(facts_, BlockKind::gap, static_cast<std::uint32_t>(state_.totals.gaps), time, mcap::bytes_of(text));
-  SCANSION_TRY(write(block_.pieces()));
-  took_block(time, BlockKind::gap);
+  SCANSION_TRY(write_held());
+  SCANSION_TRY(write_text(BlockKind::gap, static_cast<std::uint32_t>(state_.totals.gaps), time, mcap::bytes_of(text)));
   state_.totals.gaps += 1;
   return success();
 }
@@ -130,20 +187,24 @@ Result<void> Appender::append_note(BlockKind kind, ByteView text, std::uint64_t 
     return fail(Errc::usage, file_.path(), ": the recording has no channels for feature lines; its facts say so");
   if (text.size() > kMaxNoteText)
     return fail(Errc::usage, file_.path(), ": a message about feature lines is longer than 32 MiB; write it in pieces");
-  block_.build_text(facts_, kind, state_.notes, time, text);
-  SCANSION_TRY(write(block_.pieces()));
-  took_block(time, kind);
+  if (rule_ == ChunkRule::each_group) {
+    SCANSION_TRY(write_text(kind, state_.notes, time, text));
+  } else {
+    held_.notes.push_back({kind, state_.notes, time, Bytes(text.begin(), text.end())});
+    held_.size += text.size();
+  }
   state_.notes += 1;
-  return success();
+  return held_.size > kFullChunk ? write_held() : success();
 }
 
-void Appender::took_block(std::uint64_t time, BlockKind kind) {
-  state_.chunks.push_back({state_.size, time, static_cast<std::uint32_t>(block_.chunk_size()), kind});
+void Appender::took_block(BlockKind kind) {
+  state_.chunks.push_back(block_.entry(state_.size, kind));
   state_.size += block_.size();
   state_.data_crc = mcap::crc32_joined(state_.data_crc, block_.crc(), block_.size());
 }
 
 Result<void> Appender::sync() {
+  SCANSION_TRY(write_held());
   SCANSION_TRY(file_.sync());
   if (!directory_synced_) {
     SCANSION_TRY(sync_directory_of(file_.path()));
@@ -156,6 +217,7 @@ Result<void> Appender::finish(std::optional<std::int64_t> ended_ns, double round
   SCANSION_TRY(usable());
   if (!std::isfinite(rounding_mm) || rounding_mm < 0)
     return fail(Errc::usage, file_.path(), ": the rounding error at the end is no length; give a finite number of millimetres");
+  SCANSION_TRY(write_held());
   RecordingEnd end = state_.totals;
   end.ended_ns = ended_ns;
   end.rounding_mm = rounding_mm;

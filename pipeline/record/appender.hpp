@@ -5,6 +5,7 @@
 #include "pipeline/record/file.hpp"
 #include "pipeline/record/group_check.hpp"
 #include "pipeline/record/layout.hpp"
+#include "pipeline/record/writer.hpp"
 
 namespace scansion {
 
@@ -13,7 +14,7 @@ namespace scansion {
 class Appender {
 public:
   /// Writes the head into the empty file.
-  [[nodiscard]] static Result<Appender> start(File file, const RecordingFacts& facts);
+  [[nodiscard]] static Result<Appender> start(File file, const RecordingFacts& facts, ChunkRule rule);
 
   /// Where an interrupted recording goes on.
   struct State {
@@ -29,6 +30,7 @@ public:
   /// Cuts off what stands behind the state and goes on there.
   [[nodiscard]] static Result<Appender> resume(File file, const RecordingFacts& facts, State state);
 
+  /// With many_groups a failure is final: what was held back is lost.
   [[nodiscard]] Result<void> append_group(std::span<const ByteView> payloads, std::uint64_t points, GroupCounts counts);
   [[nodiscard]] Result<void> append_gap(const Gap& gap, std::uint64_t time);
   /// A message about feature lines or patches, as it is.
@@ -45,16 +47,42 @@ private:
   [[nodiscard]] Result<PayloadHeader> check(std::span<const ByteView> payloads) const;
   [[nodiscard]] Result<void> write(std::span<const ByteView> pieces);
   [[nodiscard]] Error cut_back(Error cause);
-  void took_block(std::uint64_t time, BlockKind kind);
+  [[nodiscard]] Result<void> write_groups(std::span<const MessageSet> groups);
+  [[nodiscard]] Result<void> write_text(BlockKind kind, std::uint32_t sequence, std::uint64_t time, ByteView text);
+  [[nodiscard]] Result<void> write_held();
+  void took_block(BlockKind kind);
+
+  /// Groups of one chunk, and messages about feature lines that stand behind it.
+  struct Held {
+    struct Group {
+      std::uint32_t number = 0;
+      std::uint64_t time = 0;
+    };
+    struct Note {
+      BlockKind kind = BlockKind::features;
+      std::uint32_t sequence = 0;
+      std::uint64_t time = 0;
+      Bytes text;
+    };
+    std::vector<Group> groups;
+    std::vector<Bytes> payloads; ///< of all groups; kept for the next ones
+    std::vector<Note> notes;
+    std::uint64_t size = 0;
+  };
 
   File file_;
   RecordingFacts facts_;
+  ChunkRule rule_ = ChunkRule::each_group;
+  Held held_;
   Bytes copy_; ///< the record of facts
   State state_;
   Block block_;
   std::vector<ByteView> pieces_;
+  std::vector<ByteView> payloads_;
+  std::vector<MessageSet> sets_;
+  std::uint64_t written_groups_ = 0;
   bool finished_ = false;
-  bool torn_ = false; ///< a cut failed: what stands behind state_.size is unknown
+  bool torn_ = false; ///< a cut failed: what stands behind state_.size is unknown; or what was held is lost
   bool directory_synced_ = false;
 };
 

@@ -27,8 +27,9 @@ using GroupInspector = std::function<Result<GroupCounts>(std::span<const ByteVie
 struct FoundGroup {
   PayloadHeader lines; ///< header of the line table
   std::span<const ByteView> payloads;
-  std::uint64_t offset = 0; ///< of the chunk when framed, else of the first payload
-  bool framed = false;      ///< its block is intact, else only its payloads are
+  std::uint64_t offset = 0;   ///< of the chunk when framed, else of the first payload
+  bool framed = false;        ///< its block is intact, else only its payloads are
+  bool behind_damage = false; ///< the first one found in a broken stretch, and not right where that starts
 
   [[nodiscard]] std::uint64_t last_line() const noexcept { return lines.first_line + lines.line_count - 1; }
 };

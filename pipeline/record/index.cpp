@@ -26,10 +26,12 @@ public:
   Result<RecordingIndex> from_chunk_to_chunk();
 
 private:
-  Result<BlockStart> start_at(std::uint64_t offset);
-  Result<GroupEntry> group_at(const Framed& framed);
-  Result<void> places_from_indexes(const Framed& framed, GroupEntry& entry);
-  Result<void> places_from_messages(const Framed& framed, GroupEntry& entry);
+  Result<BlockStart> start_at(std::uint64_t offset) { return read_block_start(window_.file(), offset, window_.size(), facts_); }
+  Result<void> add_groups(const Framed& framed);
+  using Places = std::vector<GroupEntry::Place>;
+  Result<void> places_from_indexes(const Framed& framed, Places& places);
+  Result<void> places_from_messages(const Framed& framed, Places& places);
+  [[nodiscard]] std::size_t payloads_of(const Framed& framed) const { return framed.start.groups * payloads_per_group(facts_); }
   Result<Gap> gap_at(const Framed& framed);
   Result<std::optional<RecordingEnd>> end_at(std::uint64_t offset, std::uint64_t length);
   Result<std::optional<std::uint64_t>> metadata_end(std::uint64_t offset);
@@ -52,42 +54,40 @@ private:
   Bytes buffer_;
 };
 
-Result<BlockStart> Indexer::start_at(std::uint64_t offset) {
-  SCANSION_TRY(bytes, small(offset, mcap::kMaxFirstData));
-  return parse_block_start(bytes, window_.size() - offset, facts_);
-}
-
-Result<void> Indexer::places_from_indexes(const Framed& framed, GroupEntry& entry) {
+Result<void> Indexer::places_from_indexes(const Framed& framed, Places& places) {
   const std::uint64_t records = framed.start.chunk_size - mcap::kChunkHead;
   SCANSION_TRY(bytes, small(framed.offset + framed.start.chunk_size, framed.start.block_size - framed.start.chunk_size));
   mcap::Cursor cursor(bytes);
-  std::vector<std::uint64_t> offsets(payloads_per_group(facts_) + 1, records);
-  for (std::uint32_t i = 0; i < payloads_per_group(facts_); ++i) {
+  const std::uint32_t stride = payloads_per_group(facts_);
+  std::vector<std::uint64_t> offsets(payloads_of(framed) + 1, records);
+  for (std::uint32_t i = 0; i < stride; ++i) {
     const mcap::RecordHead head = mcap::record_head(cursor.take(mcap::kRecordHead));
     const std::uint16_t channel = cursor.u16();
     const std::uint32_t array = cursor.u32();
-    (void)cursor.u64();
-    offsets[i] = cursor.u64();
-    if (!mcap::is(head, mcap::Opcode::message_index) || channel != i + 1 || array != 16)
+    for (std::size_t g = 0; g < framed.start.groups; ++g) {
+      (void)cursor.u64();
+      offsets[g * stride + i] = cursor.u64();
+    }
+    if (!mcap::is(head, mcap::Opcode::message_index) || channel != i + 1 || array != 16 * framed.start.groups)
       return fail(Errc::damaged, "message indexes are broken");
   }
-  entry.payloads.clear();
+  places.clear();
   for (std::size_t i = 0; i + 1 < offsets.size(); ++i) {
     const bool fits = (i > 0 || offsets[i] == 0) && offsets[i + 1] <= records && offsets[i] <= offsets[i + 1] &&
                       offsets[i + 1] - offsets[i] >= mcap::kMessageHead + kShortestPayloadHeader;
     if (!fits) return fail(Errc::damaged, "message indexes are broken");
-    entry.payloads.push_back({framed.offset + mcap::kChunkHead + offsets[i] + mcap::kMessageHead,
-                              static_cast<std::uint32_t>(offsets[i + 1] - offsets[i] - mcap::kMessageHead)});
+    places.push_back({framed.offset + mcap::kChunkHead + offsets[i] + mcap::kMessageHead,
+                      static_cast<std::uint32_t>(offsets[i + 1] - offsets[i] - mcap::kMessageHead)});
   }
   return success();
 }
 
 /// The slower way when the message indexes are broken: from message to message.
-Result<void> Indexer::places_from_messages(const Framed& framed, GroupEntry& entry) {
+Result<void> Indexer::places_from_messages(const Framed& framed, Places& places) {
   const std::uint64_t chunk_end = framed.offset + framed.start.chunk_size;
-  entry.payloads.clear();
+  places.clear();
   std::uint64_t at = framed.offset + mcap::kChunkHead;
-  for (std::uint32_t i = 0; i < payloads_per_group(facts_); ++i) {
+  for (std::size_t i = 0; i < payloads_of(framed); ++i) {
     SCANSION_TRY(bytes, small(at, mcap::kMessageHead));
     const mcap::RecordHead head = mcap::record_head(bytes);
     const std::uint64_t left = chunk_end - at;
@@ -95,21 +95,33 @@ Result<void> Indexer::places_from_messages(const Framed& framed, GroupEntry& ent
         head.length < mcap::kMessageHead - mcap::kRecordHead + kShortestPayloadHeader)
       return fail(Errc::damaged, "the framing of a chunk is broken");
     const std::uint64_t size = mcap::kRecordHead + head.length - mcap::kMessageHead;
-    entry.payloads.push_back({at + mcap::kMessageHead, static_cast<std::uint32_t>(size)});
+    places.push_back({at + mcap::kMessageHead, static_cast<std::uint32_t>(size)});
     at += mcap::kMessageHead + size;
   }
   if (at != chunk_end) return fail(Errc::damaged, "the framing of a chunk is broken");
   return success();
 }
 
-Result<GroupEntry> Indexer::group_at(const Framed& framed) {
-  GroupEntry entry;
-  entry.number = framed.start.sequence;
-  entry.payloads.reserve(payloads_per_group(facts_));
-  auto placed = places_from_indexes(framed, entry);
-  if (!placed && placed.error().code == Errc::damaged) placed = places_from_messages(framed, entry);
-  if (!placed) return std::move(placed).error();
-  return entry;
+Result<void> Indexer::add_groups(const Framed& framed) {
+  Places places;
+  auto placed = places_from_indexes(framed, places);
+  if (!placed && placed.error().code == Errc::damaged) placed = places_from_messages(framed, places);
+  if (!placed) return placed;
+  const std::uint32_t stride = payloads_per_group(facts_);
+  for (std::size_t at = 0; at < places.size(); at += stride) {
+    const auto first = places.begin() + static_cast<std::ptrdiff_t>(at);
+    GroupEntry entry;
+    entry.number = framed.start.sequence;
+    if (at > 0) {
+      SCANSION_TRY(head, small(first->offset - mcap::kMessageHead, mcap::kMessageHead));
+      mcap::Cursor cursor(head);
+      (void)cursor.take(mcap::kRecordHead + 2);
+      entry.number = cursor.u32();
+    }
+    entry.payloads.assign(first, first + stride);
+    index_.groups.push_back(std::move(entry));
+  }
+  return success();
 }
 
 Result<Gap> Indexer::gap_at(const Framed& framed) {
@@ -148,9 +160,8 @@ Result<void> Indexer::add(const Framed& framed) {
     index_.gaps.push_back(std::move(gap).value());
     return success();
   }
-  auto group = group_at(framed);
-  if (!group) return broken(group.error());
-  index_.groups.push_back(std::move(group).value());
+  const auto added = add_groups(framed);
+  if (!added) return broken(added.error());
   return success();
 }
 
@@ -186,15 +197,22 @@ Result<bool> Indexer::intact(const Framed& framed) {
   SCANSION_TRY(block, window_.view(framed.offset, framed.start.block_size));
   if (block.size() != framed.start.block_size) return false;
   std::vector<ByteView> messages;
-  const std::size_t count = messages_in(framed.start.kind, facts_);
-  if (!split_chunk(block.first(framed.start.chunk_size), framed.start.first_data, count, messages)) return false;
+  if (!split_chunk(block.first(framed.start.chunk_size), framed.start, facts_, messages)) return false;
   if (framed.start.kind == BlockKind::gap && !parse_gap(mcap::text_of(messages.front()))) return false;
-  if (framed.start.kind == BlockKind::group && !check_group(messages, facts_)) return false;
   Block expected;
-  if (framed.start.kind == BlockKind::group)
-    expected.build_group(framed.start.sequence, framed.start.time, messages);
-  else
+  if (framed.start.kind == BlockKind::group) {
+    const std::size_t stride = payloads_per_group(facts_);
+    std::vector<MessageSet> sets;
+    for (std::size_t at = 0; at < messages.size(); at += stride) {
+      const auto payloads = std::span(messages).subspan(at, stride);
+      const auto lines = check_group(payloads, facts_);
+      if (!lines) return false;
+      sets.push_back({lines.value().group, lines.value().first_time_ns, payloads});
+    }
+    expected.build_groups(sets);
+  } else {
     expected.build_text(facts_, framed.start.kind, framed.start.sequence, framed.start.time, messages.front());
+  }
   return expected.crc() == mcap::crc32(0, block);
 }
 
@@ -225,6 +243,7 @@ Result<RecordingIndex> Indexer::from_chunk_to_chunk() {
   if (!index_.end) {
     SCANSION_TRY(drop_torn(chunks));
   }
+  index_.chunks = chunks.size();
   index_.end.reset(); // an unfinished recording has no end yet, whatever was being written
   for (const Framed& framed : chunks) {
     SCANSION_TRY(add(framed));
@@ -242,9 +261,7 @@ Result<RecordingIndex> build_index(Window& window, const Head& head) {
     if (index || index.error().code != Errc::damaged) return index;
     // A summary whose checksum is right with chunks that are not: only the walk below tells how far the file is good.
     auto walked = Indexer(window, head).from_chunk_to_chunk();
-    if (walked && walked.value().groups.size() + walked.value().gaps.size() + walked.value().notes.size() ==
-                      summary.value().chunks.size())
-      return walked;
+    if (walked && walked.value().chunks == summary.value().chunks.size()) return walked;
     return index;
   }
   return Indexer(window, head).from_chunk_to_chunk();

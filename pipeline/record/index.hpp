@@ -11,6 +11,7 @@ namespace scansion {
 
 struct RecordingIndex {
   bool complete = false;
+  std::size_t chunks = 0; ///< of an unfinished recording, or one whose summary is not to be trusted
   std::optional<RecordingEnd> end;
   std::vector<GroupEntry> groups;
   std::vector<Gap> gaps;

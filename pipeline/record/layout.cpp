@@ -5,6 +5,8 @@
 #include "pipeline/codec/endian.hpp"
 #include "pipeline/record/metadata.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cassert>
 #include <nlohmann/json.hpp>
 
@@ -86,14 +88,6 @@ void message_head(Builder& b, std::uint16_t channel_id, std::uint32_t sequence, 
   b.u64(time);
 }
 
-void message_index(Builder& b, std::uint16_t channel_id, std::uint64_t time, std::uint64_t offset_in_chunk) {
-  b.begin_sized(Opcode::message_index, mcap::kMessageIndex - mcap::kRecordHead);
-  b.u16(channel_id);
-  b.u32(16); // bytes of the array: one pair
-  b.u64(time);
-  b.u64(offset_in_chunk);
-}
-
 } // namespace
 
 Bytes schema_records(const RecordingFacts& facts, bool gaps) {
@@ -162,30 +156,42 @@ Result<Gap> parse_gap(std::string_view text) {
   return gap;
 }
 
+void Block::build_groups(std::span<const MessageSet> groups) {
+  build({}, 1, groups);
+}
+
 void Block::build_group(std::uint32_t number, std::uint64_t time, std::span<const ByteView> payloads) {
-  build({}, 1, number, time, payloads);
+  const MessageSet set{number, time, payloads};
+  build({}, 1, std::span(&set, 1));
 }
 
 void Block::build_text(const RecordingFacts& facts, BlockKind kind, std::uint32_t sequence, std::uint64_t time, ByteView text) {
   const bool first_gap = kind == BlockKind::gap && sequence == 0;
-  build(first_gap ? gap_definitions(facts) : Bytes{}, channel_of(kind, facts), sequence, time, std::span(&text, 1));
+  const MessageSet set{sequence, time, std::span(&text, 1)};
+  build(first_gap ? gap_definitions(facts) : Bytes{}, channel_of(kind, facts), std::span(&set, 1));
 }
 
-void Block::build(const Bytes& definitions, std::uint16_t first_channel, std::uint32_t sequence, std::uint64_t time,
-                  std::span<const ByteView> messages) {
+void Block::build(const Bytes& definitions, std::uint16_t first_channel, std::span<const MessageSet> sets) {
+  const std::size_t channels = sets.front().messages.size();
   std::uint64_t records = definitions.size();
-  for (const ByteView m : messages) records += mcap::kMessageHead + m.size();
-  index_size_ = mcap::kMessageIndex * messages.size();
+  first_time_ = last_time_ = sets.front().time;
+  for (const MessageSet& set : sets) {
+    first_time_ = std::min(first_time_, set.time);
+    last_time_ = std::max(last_time_, set.time);
+    for (const ByteView m : set.messages) records += mcap::kMessageHead + m.size();
+  }
+  count_ = static_cast<std::uint8_t>(sets.size());
+  index_size_ = mcap::message_index_size(sets.size()) * channels;
   chunk_size_ = mcap::kChunkHead + records;
 
   frame_.clear();
   // Pieces point into it.
-  frame_.reserve(mcap::kChunkHead + definitions.size() + mcap::kMessageHead * messages.size() + index_size_);
+  frame_.reserve(mcap::kChunkHead + definitions.size() + mcap::kMessageHead * channels * sets.size() + index_size_);
   pieces_.clear();
   Builder b(frame_);
   b.begin_sized(Opcode::chunk, kChunkFields + records);
-  b.u64(time);
-  b.u64(time);
+  b.u64(first_time_);
+  b.u64(last_time_);
   b.u64(records);
   b.u32(0); // CRC, below
   b.string("");
@@ -194,26 +200,43 @@ void Block::build(const Bytes& definitions, std::uint16_t first_channel, std::ui
   frame_.insert(frame_.end(), definitions.begin(), definitions.end());
   std::uint32_t records_crc = mcap::crc32(0, definitions);
   std::size_t piece_begin = 0;
-  for (std::size_t i = 0; i < messages.size(); ++i) {
-    const std::size_t head_at = frame_.size();
-    message_head(b, static_cast<std::uint16_t>(first_channel + i), sequence, time, messages[i].size());
-    records_crc = mcap::crc32(mcap::crc32(records_crc, ByteView(frame_).subspan(head_at)), messages[i]);
-    pieces_.push_back(ByteView(frame_).subspan(piece_begin));
-    pieces_.push_back(messages[i]);
-    piece_begin = frame_.size();
+  for (const MessageSet& set : sets) {
+    for (std::size_t i = 0; i < channels; ++i) {
+      const std::size_t head_at = frame_.size();
+      message_head(b, static_cast<std::uint16_t>(first_channel + i), set.sequence, set.time, set.messages[i].size());
+      records_crc = mcap::crc32(mcap::crc32(records_crc, ByteView(frame_).subspan(head_at)), set.messages[i]);
+      pieces_.push_back(ByteView(frame_).subspan(piece_begin));
+      pieces_.push_back(set.messages[i]);
+      piece_begin = frame_.size();
+    }
   }
   store_le(frame_.data() + kCrcInChunk, records_crc);
-  std::uint64_t offset = definitions.size();
-  for (std::size_t i = 0; i < messages.size(); ++i) {
-    message_index(b, static_cast<std::uint16_t>(first_channel + i), time, offset);
-    offset += mcap::kMessageHead + messages[i].size();
-  }
+  put_indexes(b, definitions.size(), first_channel, sets);
   pieces_.push_back(ByteView(frame_).subspan(piece_begin));
 
   // Payloads are passed over once: the CRC of the file continues from that of the chunk.
   crc_ = mcap::crc32(0, ByteView(frame_).first(mcap::kChunkHead));
   crc_ = mcap::crc32_joined(crc_, records_crc, records);
   crc_ = mcap::crc32(crc_, pieces_.back());
+}
+
+void Block::put_indexes(mcap::Builder& b, std::uint64_t first_offset, std::uint16_t first_channel,
+                        std::span<const MessageSet> sets) {
+  for (std::size_t i = 0; i < sets.front().messages.size(); ++i) {
+    b.begin_sized(Opcode::message_index, mcap::message_index_size(sets.size()) - mcap::kRecordHead);
+    b.u16(static_cast<std::uint16_t>(first_channel + i));
+    b.u32(static_cast<std::uint32_t>(16 * sets.size())); // bytes of the array
+    std::uint64_t offset = first_offset;
+    for (const MessageSet& set : sets) {
+      for (std::size_t k = 0; k < set.messages.size(); ++k) {
+        if (k == i) {
+          b.u64(set.time);
+          b.u64(offset);
+        }
+        offset += mcap::kMessageHead + set.messages[k].size();
+      }
+    }
+  }
 }
 
 Result<BlockStart> parse_block_start(ByteView bytes, std::uint64_t available, const RecordingFacts& facts) {
@@ -243,24 +266,50 @@ Result<BlockStart> parse_block_start(ByteView bytes, std::uint64_t available, co
     start.kind = static_cast<BlockKind>(channel_id - gap_channel(facts) + static_cast<int>(BlockKind::gap));
     if (start.chunk_size - start.first_data > max_text(start.kind)) return fail(Errc::damaged, "a text message is too long");
   }
-  start.block_size = start.chunk_size + mcap::kMessageIndex * messages_in(start.kind, facts);
-  if (start.block_size > available) return fail(Errc::damaged, "message indexes of the chunk are cut short");
   return start;
 }
 
-Result<void> split_chunk(ByteView chunk, std::uint64_t first_data, std::size_t messages, std::vector<ByteView>& out) {
+Result<void> parse_first_index(ByteView behind_chunk, std::uint64_t available, const RecordingFacts& facts, BlockStart& start) {
+  const mcap::RecordHead head = mcap::record_head(behind_chunk);
+  if (!mcap::is(head, Opcode::message_index)) return fail(Errc::damaged, "message indexes of the chunk are missing");
+  const std::uint64_t one = mcap::message_index_size(1);
+  const std::uint64_t size = mcap::kRecordHead + std::min<std::uint64_t>(head.length, kMaxGapText);
+  const std::uint64_t more = size < one ? 1 : size - one; // than an index of one message has
+  if (more % 16 != 0 || more / 16 >= (start.kind == BlockKind::group ? kMaxChunkGroups : 1))
+    return fail(Errc::damaged, "message indexes of the chunk are broken");
+  start.groups = 1 + more / 16;
+  start.block_size = start.chunk_size + size * messages_in(start.kind, facts);
+  if (start.block_size > available) return fail(Errc::damaged, "message indexes of the chunk are cut short");
+  return success();
+}
+
+Result<BlockStart> read_block_start(const File& file, std::uint64_t offset, std::uint64_t file_size,
+                                    const RecordingFacts& facts) {
+  if (offset >= file_size) return fail(Errc::damaged, "no block starts behind the end of the file");
+  std::array<std::byte, mcap::kMaxFirstData> room{};
+  const auto bytes = std::span(room).first(std::min<std::uint64_t>(room.size(), file_size - offset));
+  SCANSION_TRY(file.read_at(offset, bytes));
+  SCANSION_TRY(start, parse_block_start(bytes, file_size - offset, facts));
+  const std::uint64_t behind = offset + start.chunk_size;
+  const auto head = std::span(room).first(std::min<std::uint64_t>(mcap::kRecordHead, file_size - behind));
+  SCANSION_TRY(file.read_at(behind, head));
+  SCANSION_TRY(parse_first_index(head, file_size - offset, facts, start));
+  return start;
+}
+
+Result<void> split_chunk(ByteView chunk, const BlockStart& start, const RecordingFacts& facts, std::vector<ByteView>& out) {
   out.clear();
   mcap::Cursor cursor(chunk);
-  (void)cursor.take(first_data - mcap::kMessageHead);
-  for (std::size_t i = 0; i < messages; ++i) {
+  (void)cursor.take(start.first_data - mcap::kMessageHead);
+  for (std::size_t i = 0; i < start.groups * messages_in(start.kind, facts); ++i) {
     const mcap::RecordHead head = mcap::record_head(cursor.take(mcap::kRecordHead));
     (void)cursor.take(kMessageFields);
     if (!mcap::is(head, Opcode::message) || head.length < kMessageFields)
-      return fail(Errc::damaged, "chunk does not hold the messages of a group");
+      return fail(Errc::damaged, "chunk does not hold the messages of its groups");
     out.push_back(cursor.take(head.length - kMessageFields));
     if (!cursor.ok()) return fail(Errc::damaged, "message reaches beyond its chunk");
   }
-  if (!cursor.at_end()) return fail(Errc::damaged, "chunk holds more than the messages of a group");
+  if (!cursor.at_end()) return fail(Errc::damaged, "chunk holds more than the messages of its groups");
   return success();
 }
 

@@ -30,15 +30,19 @@ enum class Opcode : std::uint8_t {
 inline constexpr std::string_view kMagic{"\x89MCAP0\r\n", 8};
 
 /// Bytes of the parts whose size never changes here.
-inline constexpr std::size_t kRecordHead = 9;    ///< opcode and length of any record
-inline constexpr std::size_t kChunkHead = 49;    ///< of a Chunk without compression, before its records
-inline constexpr std::size_t kMessageHead = 31;  ///< of a Message, before its data
-inline constexpr std::size_t kMessageIndex = 31; ///< a whole MessageIndex of one message
-inline constexpr std::size_t kDataEnd = 13;      ///< a whole DataEnd
-inline constexpr std::size_t kFooter = 29;       ///< a whole Footer
+inline constexpr std::size_t kRecordHead = 9;   ///< opcode and length of any record
+inline constexpr std::size_t kChunkHead = 49;   ///< of a Chunk without compression, before its records
+inline constexpr std::size_t kMessageHead = 31; ///< of a Message, before its data
+inline constexpr std::size_t kDataEnd = 13;     ///< a whole DataEnd
+inline constexpr std::size_t kFooter = 29;      ///< a whole Footer
 /// From the start of a chunk to the data of its first message; the most with a schema and a channel before that message.
 inline constexpr std::size_t kFirstData = kChunkHead + kMessageHead;
 inline constexpr std::size_t kMaxFirstData = kFirstData + 512;
+
+/// A whole MessageIndex of so many messages.
+[[nodiscard]] constexpr std::uint64_t message_index_size(std::uint64_t messages) noexcept {
+  return kRecordHead + 6 + 16 * messages;
+}
 
 using Entries = std::vector<std::pair<std::string, std::string>>;
 

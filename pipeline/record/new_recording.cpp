@@ -32,7 +32,7 @@ Result<NewRecording> NewRecording::create(const std::string& path, const Recordi
       if (file.error().code == Errc::exists) continue;
       return std::move(file).error();
     }
-    auto appender = Appender::start(std::move(file).value(), facts);
+    auto appender = Appender::start(std::move(file).value(), facts, ChunkRule::many_groups);
     if (!appender) {
       ::unlink(temporary.c_str());
       return std::move(appender).error();

@@ -52,7 +52,8 @@ private:
   Result<std::uint64_t> begin();
   struct Stretch {
     std::uint64_t from = 0, to = 0;
-    bool behind_group = false; ///< starts where the payloads of a group end
+    std::uint64_t chunk_end = 0; ///< as the walk told it
+    std::size_t groups = 0;      ///< found in it; where there are any, it starts where the payloads of the last one end
   };
   Result<bool> held_a_group(const Stretch& stretch);
   Result<bool> held_blocks(const std::vector<Stretch>& stretches);
@@ -72,19 +73,21 @@ private:
   std::vector<Stretch> behind_last_group_; ///< broken
   std::vector<Stretch> broken_;            ///< all of them
   bool refused_behind_last_group_ = false; ///< whole, but out of order or not to be decoded
-  bool skipped_before_ = false;            ///< something was skipped before the first group
+  bool skipped_before_ = false;            ///< something was skipped before the group that comes next
 };
 
 /// Behind the head when the file has the one its facts ask for, else 0.
 Result<std::uint64_t> Recoverer::begin() {
   const Bytes head = head_bytes(facts_);
   SCANSION_TRY(actual, window_.view(0, head.size()));
-  return mcap::same(head, actual) ? std::uint64_t{head.size()} : std::uint64_t{0};
+  skipped_before_ = !mcap::same(head, actual);
+  return skipped_before_ ? std::uint64_t{0} : std::uint64_t{head.size()};
 }
 
 Result<void> Recoverer::on_group(const FoundGroup& group) {
   std::uint64_t size = 0;
   for (const ByteView payload : group.payloads) size += payload.size();
+  skipped_before_ = skipped_before_ || group.behind_damage;
   const GroupOrder& order = output_.state().order;
   const auto counts = order.follows(group.lines) ? inspect_(group.payloads) : fail(Errc::damaged, "out of order");
   if (!counts) {
@@ -106,7 +109,7 @@ Result<void> Recoverer::on_gap(const Gap& gap, const ChunkEntry& entry) {
 
 Result<void> Recoverer::on_damage(const Damage& damage) {
   skip(damage.to - damage.from - damage.grouped);
-  behind_last_group_.push_back({damage.last_group_end, damage.to, damage.grouped > 0});
+  behind_last_group_.push_back({damage.last_group_end, damage.to, damage.chunk_end, damage.groups});
   broken_.push_back(behind_last_group_.back());
   return success();
 }
@@ -115,8 +118,9 @@ Result<void> Recoverer::on_damage(const Damage& damage) {
 /// data.
 Result<bool> Recoverer::held_a_group(const Stretch& stretch) {
   const std::uint64_t size = stretch.to - stretch.from;
-  const std::uint64_t rest_of_block = mcap::kMessageIndex * payloads_per_group(facts_) + facts_record(facts_).size();
-  if (stretch.behind_group) return size > rest_of_block;
+  const std::uint64_t index = mcap::message_index_size(std::min(stretch.groups, kMaxChunkGroups));
+  if (stretch.groups > 0 && stretch.chunk_end > stretch.to) return true;
+  if (stretch.groups > 0) return size > index * payloads_per_group(facts_) + facts_record(facts_).size();
   SCANSION_TRY(first, window_.view(stretch.from, 1));
   const bool metadata = !first.empty() && first.front() == static_cast<std::byte>(mcap::Opcode::metadata);
   return size > 0 && !(metadata && size <= kMaxMetadata);
@@ -135,8 +139,10 @@ Result<bool> Recoverer::held_blocks(const std::vector<Stretch>& stretches) {
   for (const Stretch& stretch : stretches) {
     if (summary) { // it lists every chunk there was
       const auto& chunks = summary.value().chunks;
-      const auto first = std::lower_bound(chunks.begin(), chunks.end(), stretch.from);
-      if (first != chunks.end() && *first < stretch.to) return true;
+      const auto behind = std::lower_bound(chunks.begin(), chunks.end(), stretch.to);
+      if (behind != chunks.begin() &&
+          summary.value().chunk_ends[static_cast<std::size_t>(behind - chunks.begin()) - 1] > stretch.from)
+        return true;
     } else {
       SCANSION_TRY(held, held_a_group(stretch));
       if (held) return true;

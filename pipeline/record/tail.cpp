@@ -67,16 +67,16 @@ private:
   void statistics() {
     const auto& chunks = *tail_.chunks;
     const RecordingFacts& facts = *tail_.facts;
-    std::array<std::uint64_t, 4> blocks{}; // by BlockKind
+    std::array<std::uint64_t, 4> blocks{}; // messages of a channel, by BlockKind
     std::uint64_t first = chunks.empty() ? 0 : UINT64_MAX;
     std::uint64_t last = 0;
     std::uint64_t messages = 0;
     std::uint32_t channels = 0;
     for (const ChunkEntry& c : chunks) {
-      blocks[static_cast<std::size_t>(c.kind)] += 1;
-      messages += messages_in(c.kind, facts);
+      blocks[static_cast<std::size_t>(c.kind)] += c.count;
+      messages += std::uint64_t{c.count} * messages_in(c.kind, facts);
       first = std::min(first, c.time);
-      last = std::max(last, c.time);
+      last = std::max(last, c.last_time);
     }
     for (std::size_t k = 0; k < blocks.size(); ++k)
       channels += blocks[k] > 0 ? messages_in(static_cast<BlockKind>(k), facts) : 0;
@@ -105,18 +105,19 @@ private:
     const std::uint32_t messages = messages_in(entry.kind, *tail_.facts);
     const std::uint16_t first = channel_of(entry.kind, *tail_.facts);
     const std::uint64_t records = entry.size - mcap::kChunkHead;
+    const std::uint64_t index_size = mcap::message_index_size(entry.count);
     Builder b(buffer_);
     const std::size_t begun = b.begin(Opcode::chunk_index);
     b.u64(entry.time);
-    b.u64(entry.time);
+    b.u64(entry.last_time);
     b.u64(entry.offset);
     b.u64(entry.size);
     b.u32(10 * messages);
     for (std::uint32_t i = 0; i < messages; ++i) {
       b.u16(static_cast<std::uint16_t>(first + i));
-      b.u64(entry.offset + entry.size + mcap::kMessageIndex * i);
+      b.u64(entry.offset + entry.size + index_size * i);
     }
-    b.u64(mcap::kMessageIndex * messages);
+    b.u64(index_size * messages);
     b.string("");
     b.u64(records);
     b.u64(records);
@@ -215,6 +216,7 @@ Result<Summary> read_summary(Window& window) {
     if (mcap::is(head, Opcode::chunk_index)) {
       (void)cursor.take(16);
       summary.chunks.push_back(cursor.u64());
+      summary.chunk_ends.push_back(summary.chunks.back() + cursor.u64());
       if (summary.chunks.size() > 1 && summary.chunks.back() <= summary.chunks[summary.chunks.size() - 2])
         return fail(Errc::damaged, "the summary lists chunks out of order");
     } else if (mcap::is(head, Opcode::metadata_index)) {

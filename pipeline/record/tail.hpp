@@ -28,8 +28,9 @@ using ByteSink = std::function<Result<void>(ByteView)>;
 
 /// What a summary whose checksum is right says.
 struct Summary {
-  std::vector<std::uint64_t> chunks; ///< offsets of chunk records, in file order
-  std::uint64_t end_offset = 0;      ///< of the Metadata record `scansion.end`
+  std::vector<std::uint64_t> chunks;     ///< offsets of chunk records, in file order
+  std::vector<std::uint64_t> chunk_ends; ///< where they end
+  std::uint64_t end_offset = 0;          ///< of the Metadata record `scansion.end`
   std::uint64_t end_length = 0;
 };
 

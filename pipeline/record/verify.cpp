@@ -100,6 +100,7 @@ Result<void> Verifier::on_group(const FoundGroup& group) {
     find(group.offset, "group " + std::to_string(group.lines.group) + " does not decode: " + counts.error().context);
     return success();
   }
+  broken_before_ = broken_before_ || group.behind_damage;
   const bool first_of_all = !order_.any();
   const std::uint64_t expected = order_.next_line();
   if (group.lines.first_line > expected && (!first_of_all || broken_before_))

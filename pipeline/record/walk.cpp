@@ -28,8 +28,8 @@ struct Item {
   What what = What::nothing;
   std::uint64_t size = 0;
   ChunkEntry entry;
-  std::uint32_t crc = 0; ///< of the block
-  PayloadHeader lines;
+  std::uint32_t crc = 0;            ///< of the block
+  std::vector<PayloadHeader> lines; ///< of each group
   Gap gap;
   RecordingEnd end;
   ByteView copy;
@@ -83,6 +83,7 @@ private:
   PatternFinder restarts_;
   Block block_;
   std::vector<ByteView> payloads_;
+  std::vector<MessageSet> sets_;
 };
 
 Result<Item> Walker::look(std::uint64_t at) {
@@ -122,18 +123,18 @@ std::optional<std::uint64_t> Walker::first_difference(ByteView block) const {
 }
 
 Result<Item> Walker::look_at_block(std::uint64_t at) {
-  SCANSION_TRY(head, window_.view(at, mcap::kMaxFirstData));
-  const auto start = parse_block_start(head, window_.size() - at, facts_);
+  const auto start = read_block_start(window_.file(), at, window_.size(), facts_);
+  if (!start && start.error().code != Errc::damaged) return start.error();
   if (!start) return nothing(at, start.error().context);
   const BlockStart& s = start.value();
   SCANSION_TRY(budget_.spend(s.block_size, window_.file()));
   SCANSION_TRY(block, window_.view(at, s.block_size));
-  const auto split = split_chunk(block.first(s.chunk_size), s.first_data, messages_in(s.kind, facts_), payloads_);
+  const auto split = split_chunk(block.first(s.chunk_size), s, facts_, payloads_);
   if (!split) return nothing(at, split.error().context);
 
   Item item;
   item.size = s.block_size;
-  item.entry = {at, s.time, static_cast<std::uint32_t>(s.chunk_size), s.kind};
+  sets_.clear();
   if (s.kind == BlockKind::gap) {
     auto gap = parse_gap(mcap::text_of(payloads_.front()));
     if (!gap) return nothing(at + s.first_data, gap.error().context);
@@ -151,14 +152,20 @@ Result<Item> Walker::look_at_block(std::uint64_t at) {
     item.what = What::note;
     block_.build_text(facts_, s.kind, s.sequence, s.time, payloads_.front());
   } else {
-    const auto lines = check_group(payloads_, facts_);
-    if (!lines) return nothing(at, lines.error().context);
+    const std::size_t stride = payloads_per_group(facts_);
+    for (std::size_t g = 0; g < s.groups; ++g) {
+      const auto payloads = std::span(payloads_).subspan(g * stride, stride);
+      const auto lines = check_group(payloads, facts_);
+      if (!lines) return nothing(at, lines.error().context);
+      item.lines.push_back(lines.value());
+      sets_.push_back({lines.value().group, lines.value().first_time_ns, payloads});
+    }
     item.what = What::group;
-    item.lines = lines.value();
-    block_.build_group(item.lines.group, item.lines.first_time_ns, payloads_);
+    block_.build_groups(sets_);
   }
   if (const auto differs = first_difference(block))
     return nothing(at + *differs, "framing or checksum of a chunk is not what its payloads ask for");
+  item.entry = block_.entry(at, s.kind);
   item.crc = block_.crc();
   return item;
 }
@@ -169,7 +176,10 @@ Result<void> Walker::tell(std::uint64_t at, const Item& item) {
     return success();
   }
   if (item.what == What::group) {
-    SCANSION_TRY(visitor_.on_group({item.lines, payloads_, at, true}));
+    const std::size_t stride = payloads_per_group(facts_);
+    for (std::size_t g = 0; g < item.lines.size(); ++g) {
+      SCANSION_TRY(visitor_.on_group({item.lines[g], std::span(payloads_).subspan(g * stride, stride), at, true}));
+    }
   }
   if (item.what == What::gap) {
     SCANSION_TRY(visitor_.on_gap(item.gap, item.entry));
@@ -201,10 +211,15 @@ Result<std::uint64_t> Walker::broken(std::uint64_t at, const Item& item) {
   damage.from = at;
   damage.at = item.wrong_at;
   damage.what = item.why;
+  SCANSION_TRY(start, window_.view(at, mcap::kRecordHead));
+  const mcap::RecordHead head = mcap::record_head(start);
+  if (mcap::is(head, mcap::Opcode::chunk) && head.length < kMaxChunk) damage.chunk_end = at + mcap::kRecordHead + head.length;
   SCANSION_TRY(next, next_start(at));
   damage.to = next;
-  SCANSION_TRY(salvaged, salvage_groups(window_, facts_, at, next, budget_,
-                                        [this](const FoundGroup& group) { return visitor_.on_group(group); }));
+  SCANSION_TRY(salvaged, salvage_groups(window_, facts_, at, next, budget_, [this, at, &damage](FoundGroup group) {
+                 group.behind_damage = damage.groups++ == 0 && group.offset > at + mcap::kFirstData;
+                 return visitor_.on_group(group);
+               }));
   damage.grouped = salvaged.grouped;
   damage.last_group_end = salvaged.last_end;
   SCANSION_TRY(visitor_.on_damage(damage));

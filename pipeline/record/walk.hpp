@@ -18,7 +18,7 @@ public:
   WalkVisitor& operator=(const WalkVisitor&) = delete;
   virtual ~WalkVisitor() = default;
 
-  /// A whole group whose every checksum is right.
+  /// A whole group whose every checksum is right; a block may hold several.
   [[nodiscard]] virtual Result<void> on_group(const FoundGroup& group) = 0;
   /// An intact block with a gap message.
   [[nodiscard]] virtual Result<void> on_gap(const Gap& gap, const ChunkEntry& entry) = 0;
@@ -33,7 +33,9 @@ public:
   struct Damage {
     std::uint64_t from = 0, to = 0, at = 0;
     std::uint64_t grouped = 0;
+    std::size_t groups = 0;           ///< how many
     std::uint64_t last_group_end = 0; ///< where the last of these groups ends, or `from`
+    std::uint64_t chunk_end = 0;      ///< where the chunk that starts at `from` says it ends; 0: none starts there
     std::string what;
   };
   [[nodiscard]] virtual Result<void> on_damage(const Damage& damage) = 0;

@@ -36,10 +36,10 @@ RecordingWriter::RecordingWriter(RecordingWriter&&) noexcept = default;
 RecordingWriter& RecordingWriter::operator=(RecordingWriter&&) noexcept = default;
 RecordingWriter::~RecordingWriter() = default;
 
-Result<RecordingWriter> RecordingWriter::create(const std::string& path, const RecordingFacts& facts) {
+Result<RecordingWriter> RecordingWriter::create(const std::string& path, const RecordingFacts& facts, ChunkRule rule) {
   SCANSION_TRY(check_facts(facts));
   SCANSION_TRY(file, File::create(path));
-  auto appender = Appender::start(std::move(file), facts);
+  auto appender = Appender::start(std::move(file), facts, rule);
   if (!appender) {
     ::unlink(path.c_str()); // a file without a head is nothing anyone wants; it was ours alone
     return std::move(appender).error();

@@ -1,4 +1,4 @@
-// Appends encoded groups to a recording; every group is one chunk and one write.
+// Appends encoded groups to a recording; every group, or a few of them, are one chunk and one write.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,17 +12,25 @@
 
 namespace scansion {
 
+/// What one chunk takes.
+enum class ChunkRule : std::uint8_t {
+  each_group, ///< a group: it is in the file when append returns. For recordings that must outlive a kill
+  many_groups ///< up to 16 groups or about 1 MiB, held back until then. For files that get their name when complete
+};
+
 class RecordingWriter {
 public:
   /// Creates `path` (fails with exists when it is there) and writes the head. The file is a valid unfinished recording from
   /// then on: it can be read, verified and finished at any moment, also after a kill.
-  [[nodiscard]] static Result<RecordingWriter> create(const std::string& path, const RecordingFacts& facts);
+  [[nodiscard]] static Result<RecordingWriter> create(const std::string& path, const RecordingFacts& facts,
+                                                      ChunkRule rule = ChunkRule::each_group);
   RecordingWriter(RecordingWriter&&) noexcept;
   RecordingWriter& operator=(RecordingWriter&&) noexcept;
   /// Closes the descriptor; an unfinished file stays unfinished.
   ~RecordingWriter();
 
-  /// One chunk with the group's payloads, its message indexes, in one write. On failure the file is cut back to the last whole
+  /// One chunk with the group's payloads, its message indexes, in one write; with many_groups when there are enough of them.
+  /// A failure is final then. Else: On failure the file is cut back to the last whole
   /// chunk, the writer stays usable and the group may be appended again.
   /// `runs` and `invalid` are counted into RecordingEnd.
   [[nodiscard]] Result<void> append(const EncodedGroup& group, std::uint64_t points, std::uint64_t runs, std::uint64_t invalid);

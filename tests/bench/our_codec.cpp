@@ -68,7 +68,7 @@ Result<OurSize> our_size(const LineSet& set, const OurCodec& codec, const LevelS
   facts.stored_levels = levels.count + 1;
   const ScratchFolder folder;
   OurSize size;
-  SCANSION_TRY(writer, RecordingWriter::create(folder.file("size.mcap"), facts));
+  SCANSION_TRY(writer, RecordingWriter::create(folder.file("size.mcap"), facts, ChunkRule::many_groups));
   for (std::size_t g = 0; g < codec.groups().size(); ++g) {
     const EncodedGroup& encoded = codec.encoded()[g];
     SCANSION_TRY(writer.append(encoded, codec.groups()[g].points(), codec.groups()[g].runs.size(), 0));

@@ -59,10 +59,10 @@ FeatureReport report_of(std::uint32_t group) {
   return report;
 }
 
-bool write_found(const std::string& path) {
+bool write_found(const std::string& path, ChunkRule rule) {
   RecordingFacts facts = facts_of(1);
   facts.features = true;
-  auto writer = RecordingWriter::create(path, facts);
+  auto writer = RecordingWriter::create(path, facts, rule);
   if (!writer) return false;
   for (const synthetic::RealGroup& group : synthetic::real_groups(facts, 2, 5, 12)) {
     if (!writer.value().append(group.encoded, group.lines.points(), group.runs, group.invalid)) return false;
@@ -94,11 +94,13 @@ int main(int argc, char** argv) {
           return 1;
         }
       }
-  const std::string path = std::string(argv[1]) + "/found.mcap";
-  std::filesystem::remove(path, error);
-  if (!write_found(path)) {
-    std::fprintf(stderr, "%s: cannot be written\n", path.c_str());
-    return 1;
+  for (const ChunkRule rule : {ChunkRule::each_group, ChunkRule::many_groups}) {
+    const std::string path = std::string(argv[1]) + (rule == ChunkRule::each_group ? "/found.mcap" : "/found-together.mcap");
+    std::filesystem::remove(path, error);
+    if (!write_found(path, rule)) {
+      std::fprintf(stderr, "%s: cannot be written\n", path.c_str());
+      return 1;
+    }
   }
   return 0;
 }

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 MAGIC = b"\x89MCAP0\r\n"
 HEADER, FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, MESSAGE_INDEX, CHUNK_INDEX = range(1, 9)
 STATISTICS, METADATA, METADATA_INDEX, _, DATA_END = range(11, 16)
-MESSAGE_INDEX_SIZE = 31
+CHUNK_GROUPS = 16
 CHUNK_LIMIT = 192 << 20
 SMALL_LIMIT = 64 << 10
 METADATA_SOON, METADATA_STRIDE = 16, 256  # copies of the metadata stand behind these many groups
@@ -208,7 +208,7 @@ class Checker:
         return record(METADATA, text(name) + struct.pack("<I", len(entries)) + entries)
 
     def chunk(self, at, content):
-        """One group or one gap message; gives the offset behind its message indexes, or None if those are cut off."""
+        """Groups or one text message; gives the offset behind its message indexes, or None if those are cut off."""
         where = f"byte {at}: chunk"
         need(len(content) <= CHUNK_LIMIT, f"{where} of {len(content)} bytes")
         fields = Fields(content, where)
@@ -226,32 +226,42 @@ class Checker:
             messages.append((offset, channel, sequence, log_time, message[22:]))
             used = offset + 9 + len(message)
         need(used == len(inner) and messages, f"{where}: {len(inner) - used} bytes are no message")
-        log_time = messages[0][3]
-        need(all(message[3] == log_time for message in messages), f"{where}: messages of different times")
-        indexes_end = at + 9 + len(content) + MESSAGE_INDEX_SIZE * len(messages)
+        rows = {}  # messages of a channel, in the order of their first ones
+        for message in messages:
+            rows.setdefault(message[1], []).append(message)
+        rows = list(rows.values())
+        sets = len(rows[0])
+        need(sets <= CHUNK_GROUPS and len(messages) == sets * len(rows), f"{where}: {len(messages)} messages on {len(rows)} channels")
+        need(messages == [row[i] for i in range(sets) for row in rows], f"{where}: messages are out of order")
+        times = [message[3] for message in rows[0]]
+        need(all([message[3] for message in row] == times for row in rows), f"{where}: messages of a group have different times")
+        indexes_end = at + 9 + len(content) + (15 + 16 * sets) * len(rows)
         if indexes_end > len(self.data):
             return None  # cut off inside the block
         need(first_gap == (not self.out.gaps and self.names.get(messages[0][1]) == "gaps"),
              f"{where}: the channel of gaps belongs into the chunk of the first of them")
-        self.messages(where, messages)
-        body = struct.pack("<QQQI", log_time, log_time, len(inner), zlib.crc32(inner)) + text("")
+        for i in range(sets):
+            self.messages(where, [row[i] for row in rows], sets)
+        body = struct.pack("<QQQI", min(times), max(times), len(inner), zlib.crc32(inner)) + text("")
         built = record(CHUNK, body + struct.pack("<Q", len(inner)) + inner)
         end = self.expect(at, built, "the chunk")
-        indexes = [record(MESSAGE_INDEX, struct.pack("<HIQQ", channel, 16, log_time, offset))
-                   for offset, channel, _, _, _ in messages]
+        indexes = [record(MESSAGE_INDEX, struct.pack("<HI", row[0][1], 16 * sets) + b"".join(
+            struct.pack("<QQ", message[3], message[0]) for message in row)) for row in rows]
         starts = [end + sum(map(len, indexes[:i])) for i in range(len(indexes))]
-        places = b"".join(struct.pack("<HQ", message[1], start) for message, start in zip(messages, starts))
+        places = b"".join(struct.pack("<HQ", row[0][1], start) for row, start in zip(rows, starts))
         done = self.expect(end, b"".join(indexes), "a message index")
-        self.chunks.append(record(CHUNK_INDEX, struct.pack("<QQQQ", log_time, log_time, at, len(built)) + struct.pack(
+        self.chunks.append(record(CHUNK_INDEX, struct.pack("<QQQQ", min(times), max(times), at, len(built)) + struct.pack(
             "<I", len(places)) + places + struct.pack("<Q", done - end) + text("") + struct.pack("<QQ", len(inner), len(inner))))
-        self.times.append(log_time)
+        self.times += times
         for message in messages:
             self.counts[message[1]] = self.counts.get(message[1], 0) + 1
         return done
 
-    def messages(self, where, messages):
+    def messages(self, where, messages, sets):
         names = [self.names.get(message[1]) for message in messages]
         sequences = {message[2] for message in messages}
+        need(not self.metadata_due, f"{where}: a copy of the metadata should stand before a group in it")
+        need(sets == 1 or "lines" in names, f"{where}: several messages {names}")
         if names == ["gaps"]:
             need(sequences == {len(self.out.gaps)}, f"{where}: gap message {sequences}, want {len(self.out.gaps)}")
             need(len(messages[0][4]) <= SMALL_LIMIT, f"{where}: gap message of {len(messages[0][4])} bytes")

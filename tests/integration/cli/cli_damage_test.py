@@ -11,21 +11,22 @@ from reference import read_xyz
 
 MAGIC = b"\x89MCAP0\r\n"
 CHUNK = 0x06
+CHUNK_HEAD = 49  # of a chunk, before its messages
 TAIL = 64 << 10  # bytes that are cut off one by one
 
 
 class Recording:
-    """A sound recording, where its chunks are by our own reading of the container, and its points by group."""
+    """A sound recording, where its groups stand by our own reading of the container, and its points by group."""
 
     def __init__(self, kit, name, source):
         self.kit, self.path = kit, os.path.join(kit.root, name + ".mcap")
-        kit.compress(source, self.path, "--features", "off")  # a chunk a group; messages about features have tests of their own
+        kit.compress(source, self.path, "--features", "off")  # messages about features have tests of their own
         with open(self.path, "rb") as file:
             self.data = file.read()
-        self.chunk_starts, self.chunk_ends = zip(*chunks(self.data))
+        self.block_of, self.group_starts, self.group_ends = zip(*groups(self.data))
         report = verify(kit, self.path)
         check(report["sound"] and report["finished"], f"verify of a fresh recording: {clip(report)}")
-        same(report["groups"], len(self.chunk_ends), "chunks and groups of a recording without gaps")
+        same(report["groups"], len(self.group_ends), "groups")
         points = os.path.join(kit.root, "all.xyz")
         kit.scansion("export", self.path, "-o", points, "--force")
         self.lines = read_xyz(points)
@@ -33,7 +34,7 @@ class Recording:
         same(len(self.groups), report["groups"], "groups of 64 lines")
 
     def whole_groups(self, cut):
-        return sum(end <= cut for end in self.chunk_ends)
+        return sum(end <= cut for end in self.group_ends)
 
     def lines_of(self, groups):
         return [line for group in self.groups[:groups] for line in group]
@@ -54,6 +55,21 @@ def chunks(data):
             found.append((at, at + 9 + length))
         at += 9 + length
     same(at, len(data) - len(MAGIC), "end of the last record")
+    return found
+
+
+def groups(data):
+    """Of each group: where its chunk starts; where it starts (the first of a chunk with it); where its last payload ends."""
+    found = []
+    for start, end in chunks(data):
+        at, begun = start + CHUNK_HEAD, start
+        while at < end:
+            _, length, channel = struct.unpack_from("<BQH", data, at)
+            if channel == 1 and at > start + CHUNK_HEAD:
+                found.append((start, begun, at))
+                begun = at
+            at += 9 + length
+        found.append((start, begun, end))
     return found
 
 
@@ -96,14 +112,14 @@ class Cutter:
         report = verify(kit, path, expect=1)
         same((report["sound"], report["finished"]), (False, False), f"{what}: verify")
         same((report["groups"], report["lines"], report["points"]), (whole, len(lines), sum(map(len, lines))), f"{what}: verify's counts")
-        # The last whole chunk may stand without its message indexes.
-        least = recording.chunk_ends[whole - 2] if whole > 1 else 0
+        # The last chunk may stand without some of its groups, or its message indexes.
+        least = recording.block_of[whole - 1] if whole > 0 else 0
         check(least <= report["good_bytes"] <= cut, f"{what}: {report['good_bytes']} good bytes")
         outcome = kit.quick("recover", path, "-o", out, "--json")
         recovered = outcome.json()
         same((recovered["groups"], recovered["lines"], recovered["points"]), (whole, len(lines), sum(map(len, lines))), f"{what}: recovered")
-        # A cut between two chunks leaves nothing behind that tells of more.
-        torn = any(start < cut < end for start, end in zip(recording.chunk_starts, recording.chunk_ends))
+        # A cut between two chunks leaves nothing behind that tells of more; one between groups of a chunk does.
+        torn = any(block < cut < end for block, end in zip(recording.block_of, recording.group_ends))
         same((recovered["anything_lost"], outcome.code), (torn, int(torn)), f"{what}: whether anything was lost, exit code")
         key = digest(out)
         if self.seen.get(key) != whole:
@@ -123,19 +139,19 @@ def noise(kit):
     generator = random.Random(47)
     source = os.path.join(kit.root, "noise.xyz")
     with open(source, "w", encoding="ascii") as file:
-        for line in range(800):
+        for line in range(960):
             file.writelines(f"{i}.{generator.randrange(1000):03d} {line} {generator.randrange(10**7) / 1000}\n" for i in range(16))
             file.write("\n")
     recording = Recording(kit, "noise", source)
-    check(recording.chunk_starts[0] < len(recording.data) - TAIL, f"a recording of {len(recording.data)} bytes is too small for this test")
+    check(recording.group_ends[0] < len(recording.data) - TAIL, f"a recording of {len(recording.data)} bytes is too small for this test")
     return recording
 
 
 def cut_in_its_tail(kit):
-    """Around chunk ends, at record ends and at random places of the last 64 KiB."""
+    """Around the ends of groups, at record ends and at random places of the last 64 KiB."""
     recording = noise(kit)
     size = len(recording.data)
-    near = {end + d for end in recording.chunk_ends for d in (-1, 0, 1)}
+    near = {end + d for end in recording.group_ends for d in (-1, 0, 1)}
     near |= {size - d for d in (1, 2, 8, 9, 30, 37, 38, 500, TAIL)}
     cuts = {c for c in near if size - TAIL <= c < size} | set(random.Random(61).sample(range(size - TAIL, size), 60))
     cut_all(recording, sorted(cuts))
@@ -176,7 +192,7 @@ def cut_at_every_byte(kit, quarter):
 def cut_in_its_head(kit):
     """Down to nothing: never sound, and either nothing or an empty recording comes back."""
     recording = scene(kit, "head", "steps", "--lines", 3, "--points", 30)
-    start, first = recording.chunk_starts[0], recording.chunk_ends[0]
+    start, first = recording.group_starts[0], recording.group_ends[0]
     cuts = range(first + 1) if kit.long else sorted({*range(0, 40), *range(0, first, 29), start, first - 1, first})
 
     def cut_at(cut):
@@ -226,9 +242,9 @@ def flipped_bytes(kit):
         outcome = kit.quick("recover", path, "-o", out, "--json")
         check(outcome.code in (0, 1), f"byte {at} flipped: {outcome}")
         report = outcome.json()
-        # One byte belongs to one chunk at most.
-        hit = [i for i, end in enumerate(recording.chunk_ends) if at < end][:1]
-        inside = hit and at >= (recording.chunk_ends[hit[0] - 1] if hit[0] else 0)
+        # One byte belongs to one group at most.
+        hit = [i for i, end in enumerate(recording.group_ends) if at < end][:1]
+        inside = hit and at >= (recording.group_ends[hit[0] - 1] if hit[0] else 0)
         least = 2 if inside else 3
         check(report["groups"] >= least, f"byte {at} flipped: {report['groups']} of 3 groups came back")
         same(outcome.code, int(report["anything_lost"]), f"byte {at} flipped: exit code")
@@ -252,8 +268,8 @@ def flipped_bytes(kit):
 def damaged_blocks(kit):
     """Zeroed, doubled, removed and swapped pieces."""
     recording = scene(kit, "blocks", "part", "--lines", 320, "--points", 60, "--seed", 8)
-    data, ends = recording.data, recording.chunk_ends
-    group = lambda i: slice(ends[i - 1], ends[i])  # with the message indexes before it
+    data, ends = recording.data, recording.group_ends
+    group = lambda i: slice(ends[i - 1], ends[i])
     changed = {
         "a zeroed block in a group": data[:ends[1] + 600] + bytes(512) + data[ends[1] + 1112:],
         "a group missing": data[:ends[1]] + data[ends[2]:],
@@ -289,16 +305,19 @@ def damaged_blocks(kit):
 
 def unfinished_recordings(kit):
     """What info, export and --strict do with a recording that was cut off."""
-    recording = scene(kit, "unfinished", "ribs", "--lines", 200, "--points", 50)
+    recording = scene(kit, "unfinished", "ribs", "--lines", 2200, "--points", 10)
     path = os.path.join(kit.root, "open.mcap")
-    lines = recording.lines_of(2)
-    # Behind the chunk's message indexes, within the next chunk: a whole group is a chunk with its indexes.
+    lines = recording.lines_of(32)
+    second_end = chunks(recording.data)[1][1]
+    same(second_end, recording.group_ends[31], "end of the 32nd group and of the second chunk")
+    # Behind the chunk's message indexes, within the next chunk: without its indexes no chunk is whole.
     wrong = []
-    for bytes_more in (400, 155):
+    indexes = 5 * (15 + 16 * 16)
+    for bytes_more in (indexes + 300, indexes):
         with open(path, "wb") as file:
-            file.write(recording.data[:recording.chunk_ends[1] + bytes_more])
+            file.write(recording.data[:second_end + bytes_more])
         info = kit.info(path)
-        got, want = (info["complete"], info["lines"], info["points"]), (False, 128, sum(map(len, lines)))
+        got, want = (info["complete"], info["lines"], info["points"]), (False, 2048, sum(map(len, lines)))
         if got != want:
             wrong.append(f"cut {bytes_more} bytes behind the second chunk: {got}, expected {want}")
     check(not wrong, f"complete, lines, points in info of an unfinished recording: {wrong}")
@@ -311,7 +330,7 @@ def unfinished_recordings(kit):
     same(read_xyz(out) == lines, True, "points of an unfinished recording with --strict")
     kit.scansion("export", recording.path, "-o", out, "--force", "--strict")
     # A group lost in the middle is a gap: told by info, and an error with --strict.
-    data, ends = recording.data, recording.chunk_ends
+    data, ends = recording.data, recording.group_ends
     with open(path, "wb") as file:
         file.write(data[:ends[0] + 500] + b"\0" * 64 + data[ends[0] + 564:])
     kit.refused(65, "export", path, "-o", os.path.join(kit.root, "none.xyz"), says=(path, "byte "), folders=[kit.root])
@@ -358,7 +377,7 @@ def recordings_cut_to_a_level(kit):
         with open(cut, "rb") as file:
             data = file.read()
         with open(broken, "wb") as file:
-            file.write(data[:chunks(data)[1][1]])
+            file.write(data[:groups(data)[1][2]])
         verify(kit, broken, expect=1)
         kit.scansion("recover", broken, "-o", out, "--force", expect=None)
         same(verify(kit, out)["groups"], 2, f"groups recovered of a recording cut to level {k}")

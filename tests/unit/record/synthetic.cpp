@@ -81,7 +81,7 @@ EncodedGroup group(const RecordingFacts& f, std::uint32_t number, std::uint64_t 
     h.last_time_ns = g.last_time_ns;
     h.tolerance = h.kind == PayloadKind::level ? 1.0 / (i + 1.0) : 0.0;
     h.points = i == 0 ? 1000 + number : 10;
-    Bytes body(size + i * 3 + number % 5);
+    Bytes body(size + std::size_t{3} * i + number % 5);
     for (std::byte& b : body) b = static_cast<std::byte>(random());
     Bytes payload;
     seal_payload(h, body, payload);
@@ -110,7 +110,7 @@ void append(RecordingWriter& writer, const EncodedGroup& g) {
 }
 
 Made make(const std::string& path, const Plan& plan) {
-  auto created = RecordingWriter::create(path, plan.facts);
+  auto created = RecordingWriter::create(path, plan.facts, plan.rule);
   if (!created) {
     ADD_FAILURE() << created.error().context;
     return {};
@@ -119,7 +119,7 @@ Made make(const std::string& path, const Plan& plan) {
   Made made;
   made.head = writer.bytes();
   const std::uint64_t copy = facts_record(plan.facts).size();
-  const std::uint64_t indexes = mcap::kMessageIndex * payloads_per_group(plan.facts);
+  const std::uint64_t indexes = mcap::message_index_size(1) * payloads_per_group(plan.facts);
   std::uint64_t line = 0;
   for (std::uint32_t i = 0; i < plan.groups; ++i) {
     if (i == 1 && plan.gap_after_first) {

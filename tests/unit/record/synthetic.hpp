@@ -56,6 +56,7 @@ struct Plan {
   std::size_t body = 120;
   bool gap_after_first = false; ///< lines between group 0 and 1 are missing, and a gap message says so
   bool finish = true;
+  ChunkRule rule = ChunkRule::each_group; ///< with many_groups Made knows no places in the file
   RecordingFacts facts = synthetic::facts();
 };
 
