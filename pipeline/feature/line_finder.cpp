@@ -120,7 +120,6 @@ void LineFinder::settle(double settled, const Sampling& sampling, std::vector<Cu
   }
   std::erase_if(ended_, [](const Track& t) { return t.points.empty(); });
   for (Curve& curve : stretches_) joiner_.take(std::move(curve));
-  std::sort(live_ends_.begin(), live_ends_.end(), [](const LiveEnd& a, const LiveEnd& b) { return a.c < b.c; });
   joiner_.advance(settled, live_ends_, sampling, out);
 }
 

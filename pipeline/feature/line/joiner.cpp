@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 
 namespace scansion {
 
@@ -28,14 +27,6 @@ double join_cost(const Tip& a, const Tip& b, const Sampling& sampling) {
   if (gap <= kAround * u) return turn < -0.6 ? kNo : gap;
   const double ahead = (ds * a.ds + dc * a.dc) / gap;
   return turn > 0.82 && ahead > 0.82 ? gap : kNo;
-}
-
-bool is_any_near(std::span<const LiveEnd> live, const CurvePoint& p, bool convex, double reach) {
-  const double around = 1.001 * reach; // what is_within decides is not decided by rounding here
-  auto e = std::lower_bound(live.begin(), live.end(), p.c - around, [](const LiveEnd& a, double c) { return a.c < c; });
-  for (; e != live.end() && e->c <= p.c + around; ++e)
-    if (e->convex == convex && is_within(e->s - p.s, e->c - p.c, reach)) return true;
-  return false;
 }
 
 const CurveEnd& end_of(const Curve& curve, bool back) noexcept {
@@ -82,35 +73,41 @@ std::size_t Joiner::held_points() const noexcept {
   return points;
 }
 
+bool Joiner::is_live_near(std::span<const LiveEnd> live, const CurvePoint& p, bool convex, double reach) const {
+  return live_places_.any(p.s, p.c, convex,
+                          [&](std::uint32_t e) { return is_within(live[e].s - p.s, live[e].c - p.c, reach); });
+}
+
 void Joiner::find_pairs(double settled, std::span<const LiveEnd> live, const Sampling& sampling) {
-  const double u = sampling.coarse();
+  const double u = sampling.coarse(), reach = kStraight * u;
   ends_.clear();
   pairs_.clear();
   tips_.clear();
+  tip_places_.restart(reach);
   for (std::size_t i = 0; i < held_.size(); ++i) {
     for (const bool back : {false, true}) {
       const Curve& curve = held_[i];
       const CurvePoint& p = back ? curve.points.back() : curve.points.front();
       const CurveEnd& end = end_of(curve, back);
       if (curve.loop || end.seam || end.awaits != 0 || p.c + kSettled * u > settled) continue;
-      if (is_any_near(live, p, curve.convex, kStraight * u)) continue;
+      if (is_live_near(live, p, curve.convex, reach)) continue;
+      const Tip tip = tip_of(curve, back);
+      tip_places_.add(tip.s, tip.c, curve.convex, static_cast<std::uint32_t>(tips_.size()));
       ends_.push_back({i, back});
-      tips_.push_back(tip_of(curve, back));
+      tips_.push_back(tip);
     }
   }
-  by_c_.resize(ends_.size());
-  std::iota(by_c_.begin(), by_c_.end(), std::size_t{0});
-  std::sort(by_c_.begin(), by_c_.end(),
-            [&](std::size_t a, std::size_t b) { return tips_[a].c != tips_[b].c ? tips_[a].c < tips_[b].c : a < b; });
-  for (std::size_t i = 0; i < by_c_.size(); ++i) {
-    for (std::size_t j = i + 1; j < by_c_.size(); ++j) {
-      const std::size_t a = by_c_[i], b = by_c_[j];
-      if (tips_[b].c - tips_[a].c > kStraight * u) break;
-      if (held_[ends_[a].curve].convex != held_[ends_[b].curve].convex) continue;
-      if (ends_[a].curve == ends_[b].curve && is_shorter(held_[ends_[a].curve], 8.0 * u)) continue;
-      const double cost = join_cost(tips_[a], tips_[b], sampling);
+  tip_places_.close();
+  for (std::uint32_t a = 0; a < tips_.size(); ++a) {
+    const Tip& from = tips_[a];
+    (void)tip_places_.any(from.s, from.c, held_[ends_[a].curve].convex, [&](std::uint32_t b) {
+      // Each two once, from the lower c.
+      if (b == a || tips_[b].c < from.c || (tips_[b].c == from.c && b < a) || tips_[b].c - from.c > reach) return false;
+      if (ends_[a].curve == ends_[b].curve && is_shorter(held_[ends_[a].curve], 8.0 * u)) return false;
+      const double cost = join_cost(from, tips_[b], sampling);
       if (cost >= 0.0) pairs_.push_back({cost, ends_[std::min(a, b)], ends_[std::max(a, b)]});
-    }
+      return false;
+    });
   }
   std::sort(pairs_.begin(), pairs_.end(), [&](const Pair& x, const Pair& y) {
     if (x.cost != y.cost) return x.cost < y.cost;
@@ -138,6 +135,9 @@ void Joiner::join(const End& a, const End& b) {
 }
 
 void Joiner::advance(double settled, std::span<const LiveEnd> live, const Sampling& sampling, std::vector<Curve>& out) {
+  live_places_.restart(kStraight * sampling.coarse());
+  for (std::uint32_t e = 0; e < live.size(); ++e) live_places_.add(live[e].s, live[e].c, live[e].convex, e);
+  live_places_.close();
   // One join a round and end: after a join the ends of both curves are other ones.
   for (bool again = true; again;) {
     again = false;
@@ -164,17 +164,25 @@ void Joiner::release_finished(const Sampling& sampling, std::vector<Curve>& out)
   for (const End& e : ends_) ++settled_ends[e.curve];
   for (std::size_t i = 0; i < held_.size(); ++i)
     settled_ends[i] += (held_[i].front.seam ? 1U : 0U) + (held_[i].back.seam ? 1U : 0U);
-  const double u = sampling.coarse();
-  std::vector<bool> done(held_.size(), false);
+  const double reach = kStraight * sampling.coarse();
+  const auto is_done = [&](std::size_t i) { return held_[i].loop || settled_ends[i] == 2; };
+  tip_places_.restart(reach); // of curves that wait
   for (std::size_t i = 0; i < held_.size(); ++i) {
-    done[i] = held_[i].loop || settled_ends[i] == 2;
-    for (std::size_t j = 0; done[i] && j < held_.size(); ++j) {
-      if (j == i || held_[j].loop || settled_ends[j] == 2 || held_[j].convex != held_[i].convex) continue;
-      for (const CurvePoint* p : {&held_[i].points.front(), &held_[i].points.back()})
-        for (const CurvePoint* q : {&held_[j].points.front(), &held_[j].points.back()})
-          if (is_within(p->s - q->s, p->c - q->c, kStraight * u)) done[i] = false;
-    }
+    if (is_done(i)) continue;
+    for (const CurvePoint* p : {&held_[i].points.front(), &held_[i].points.back()})
+      tip_places_.add(p->s, p->c, held_[i].convex, static_cast<std::uint32_t>(i));
   }
+  tip_places_.close();
+  const auto waits_near = [&](const CurvePoint& p, bool convex) {
+    return tip_places_.any(p.s, p.c, convex, [&](std::uint32_t j) {
+      const CurvePoint &front = held_[j].points.front(), &back = held_[j].points.back();
+      return is_within(p.s - front.s, p.c - front.c, reach) || is_within(p.s - back.s, p.c - back.c, reach);
+    });
+  };
+  std::vector<bool> done(held_.size(), false);
+  for (std::size_t i = 0; i < held_.size(); ++i)
+    done[i] = is_done(i) && !waits_near(held_[i].points.front(), held_[i].convex) &&
+              !waits_near(held_[i].points.back(), held_[i].convex);
   for (std::size_t i = 0; i < held_.size(); ++i) {
     if (!done[i]) continue;
     (void)release(std::move(held_[i]), out);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "pipeline/feature/line/curve.hpp"
+#include "pipeline/feature/line/near_places.hpp"
 #include "pipeline/feature/profile/sampling.hpp"
 
 #include <span>
@@ -23,8 +24,7 @@ public:
   static constexpr std::size_t kMostHeld = std::size_t{1} << 18U; ///< points: above this the oldest curves no longer wait
 
   void take(Curve curve);
-  /// Joins what is settled up to c = `settled` and moves finished curves to `out`. `live`: ends of tracks that still grow,
-  /// ascending c.
+  /// Joins what is settled up to c = `settled` and moves finished curves to `out`. `live`: ends of tracks that still grow.
   void advance(double settled, std::span<const LiveEnd> live, const Sampling& sampling, std::vector<Curve>& out);
   /// Points that wait.
   [[nodiscard]] std::size_t held_points() const noexcept;
@@ -41,6 +41,7 @@ private:
     double cost = 0.0;
     End a, b;
   };
+  [[nodiscard]] bool is_live_near(std::span<const LiveEnd> live, const CurvePoint& p, bool convex, double reach) const;
   void find_pairs(double settled, std::span<const LiveEnd> live, const Sampling& sampling);
   void join(const End& a, const End& b);
   void release_finished(const Sampling& sampling, std::vector<Curve>& out);
@@ -51,9 +52,10 @@ private:
 
   std::vector<Curve> held_;
   std::uint64_t next_order_ = 0, next_id_ = 1;
-  std::vector<End> ends_;         ///< that nothing new can reach
-  std::vector<Tip> tips_;         ///< of these
-  std::vector<std::size_t> by_c_; ///< these, by place
+  std::vector<End> ends_;  ///< that nothing new can reach
+  std::vector<Tip> tips_;  ///< of these
+  NearPlaces tip_places_;  ///< the same, by place
+  NearPlaces live_places_; ///< of the live ends
   std::vector<Pair> pairs_;
 };
 

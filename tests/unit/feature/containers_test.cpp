@@ -1,10 +1,12 @@
-// What tracks are kept in: values that grow at both ends, and tracks by the columns they end in or have passed over.
-// SPDX-License-Identifier: Apache-2.0
+// What tracks and curves are kept in: values that grow at both ends, tracks by the columns they end in or have passed over,
+// places. SPDX-License-Identifier: Apache-2.0
 #include "pipeline/feature/crosswise/column_ends.hpp"
 #include "pipeline/feature/crosswise/column_gaps.hpp"
+#include "pipeline/feature/line/near_places.hpp"
 #include "pipeline/feature/link/double_ended.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <gtest/gtest.h>
 
 #include <deque>
@@ -166,6 +168,43 @@ TEST(ColumnGaps, HoldsWhatASetHolds) {
       if (std::find(wanted[t].begin(), wanted[t].end(), column) != wanted[t].end()) there.insert(t);
     ASSERT_EQ(seen, there) << i;
   }
+}
+
+TEST(NearPlaces, MissNoneWithinReachAndNoneOfTheOtherPolarity) {
+  struct At {
+    double s, c;
+    bool convex;
+  };
+  std::mt19937 random(83);
+  NearPlaces places;
+  for (const double reach : {0.7, 3.0, 50.0}) {
+    std::uniform_real_distribution<double> somewhere(-20.0, 20.0);
+    std::vector<At> there;
+    places.restart(reach);
+    for (std::uint32_t i = 0; i < 400; ++i) {
+      // Some exactly a reach apart, and on the borders of strips.
+      const double s = i % 4 == 0 ? reach * static_cast<double>(i % 7) : somewhere(random);
+      there.push_back({s, i % 8 == 0 ? reach * static_cast<double>(i % 5) : somewhere(random), i % 3 == 0});
+      places.add(there.back().s, there.back().c, there.back().convex, i);
+    }
+    places.close();
+    const auto is_near = [&](const At& a, const At& b) { return std::hypot(a.s - b.s, a.c - b.c) <= reach; };
+    for (const At& at : there) {
+      std::multiset<std::uint32_t> seen, wanted;
+      EXPECT_FALSE(places.any(at.s, at.c, at.convex, [&](std::uint32_t i) {
+        EXPECT_EQ(there[i].convex, at.convex);
+        if (is_near(at, there[i])) seen.insert(i);
+        return false;
+      }));
+      for (std::uint32_t i = 0; i < there.size(); ++i)
+        if (there[i].convex == at.convex && is_near(at, there[i])) wanted.insert(i);
+      ASSERT_EQ(seen, wanted);
+      EXPECT_TRUE(places.any(at.s, at.c, at.convex, [](std::uint32_t) { return true; }));
+    }
+  }
+  places.restart(1.0);
+  places.close();
+  EXPECT_FALSE(places.any(0.0, 0.0, true, [](std::uint32_t) { return true; })) << "what was there before";
 }
 
 } // namespace
